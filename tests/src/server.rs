@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use gamebots_client::Client;
 use gamebots_proto::message::is_periodic_line;
 use gamebots_proto::{Dialect, Line};
-use gamebots_server::{Config, Listener, ServeError, Service};
+use gamebots_server::{Config, Entrance, Listener, ServeError, Service};
 use tokio::sync::oneshot;
 
 /// Longest wait of a test for an expected event.
@@ -33,6 +33,8 @@ pub struct Server {
     pub images: Option<SocketAddr>,
     /// Port for Foxglove.
     pub foxglove: Option<u16>,
+    /// The way of programs in this process.
+    pub entrance: Entrance,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ServeError>>>,
 }
@@ -73,6 +75,7 @@ impl Server {
             com_server: of(Service::ComServer),
             images: of(Service::Images),
             foxglove: of(Service::Foxglove).map(|address| address.port()),
+            entrance: addresses.entrance.clone(),
             stop: Some(stop),
             thread: Some(thread),
         }

@@ -38,6 +38,7 @@ mod robots_together;
 mod rollers;
 mod scenes;
 mod sensing;
+mod served;
 mod sessions;
 mod sliding;
 mod spawning;

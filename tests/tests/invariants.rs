@@ -98,6 +98,22 @@ fn the_core_names_no_clock_file_socket_environment_or_thread() {
     }
 }
 
+/// The loop of a served world gets its clock, and hands long work to its caller. So it runs in a test, and in a browser.
+#[test]
+fn the_loop_of_a_served_world_names_no_clock_file_socket_environment_or_thread() {
+    let absent =
+        ["std::time", "std::fs", "std::env", "std::thread", "std::process", "Instant::now", "TcpStream", "HashMap"];
+    for package in ["outbox", "page-protocol", "served-world", "sessions"] {
+        for path in files(&repository().join("crates").join(package).join("src"), &["rs"]) {
+            let source = text(&path);
+            let code = source.split("#[cfg(test)]").next().unwrap_or_default();
+            for word in absent {
+                assert!(!code.contains(word), "{} names {word}", path.display());
+            }
+        }
+    }
+}
+
 /// The standard library's sine has other last bits with glibc, musl and in WebAssembly. Square roots have the same everywhere.
 #[test]
 fn the_core_computes_elementary_functions_by_libm_alone() {

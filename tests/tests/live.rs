@@ -805,21 +805,6 @@ fn a_speed_that_no_clock_can_keep_is_refused() {
 }
 
 #[test]
-fn a_pause_forgets_the_steps_that_were_still_to_be_taken() {
-    let server = serve("rough", |_| {});
-    let mut viewer = Viewer::open(&server, "/live");
-    viewer.send("{\"step\":100000}");
-    viewer.send("{\"pause\":true}");
-    viewer.status("a pause", |status| status["paused"] == true);
-    let stopped = viewer.frame("a frame", |_| true).time;
-    viewer.send("{\"step\":5}");
-    let stepped = viewer.frame("five steps", |frame| frame.time > stopped + 0.009).time;
-    viewer.send("{\"pause\":true}");
-    let frames: Vec<f64> = (0..5).map(|_| viewer.frame("a frame", |_| true).time).collect();
-    assert!(frames.iter().all(|&time| time < stepped + 0.02), "{stopped} {stepped} {frames:?}");
-}
-
-#[test]
 fn a_websocket_keeps_its_place_among_the_connections() {
     let server = serve("rough", |_| {});
     let mut viewers: Vec<Viewer> = (0..256).map(|_| Viewer::open(&server, "/live")).collect();

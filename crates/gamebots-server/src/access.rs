@@ -1,6 +1,5 @@
 //! Rights of clients, their logins, and their shares of limited things.
 
-pub(crate) mod budget;
 pub(crate) mod login;
 pub(crate) mod origin;
 pub(crate) mod pass;

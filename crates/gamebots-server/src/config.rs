@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use gamebots_proto::Dialect;
 use scene::{MapDef, WorldDef};
+use served_world::Entrance;
 use sim_core::{Options, SavedWorld};
 use thread_pool::ThreadPool;
 
@@ -169,9 +170,14 @@ pub enum Service {
     ComServer,
 }
 
-/// Addresses of a server that is ready, with their services, in the order of its configuration.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Ready(pub Vec<(Service, SocketAddr)>);
+/// Ways into a server that is ready.
+#[derive(Clone)]
+pub struct Ready {
+    /// Its services and their addresses, in the order of its configuration.
+    pub addresses: Vec<(Service, SocketAddr)>,
+    /// The way of programs in this process, which need no socket.
+    pub entrance: Entrance,
+}
 
 impl Ready {
     /// Returns the address for controllers.
@@ -185,7 +191,7 @@ impl Ready {
     }
 
     fn address(&self, is: impl Fn(Service) -> bool) -> Option<SocketAddr> {
-        self.0.iter().find(|(service, _)| is(*service)).map(|(_, address)| *address)
+        self.addresses.iter().find(|(service, _)| is(*service)).map(|(_, address)| *address)
     }
 }
 

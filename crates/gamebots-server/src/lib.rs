@@ -32,7 +32,8 @@ pub use page::view::{Moment, View};
 pub use page_protocol::check_real_time_factor;
 pub use page_protocol::pb as viewer_messages;
 pub use ports::playback::{Playback, play};
-pub use world::saved::{SavedFileError, read_saved};
+pub use served_world::{Ended, Entrance, Session};
+pub use world::saves::{SavedFileError, read_saved};
 
 /// Entry points to the handling of strangers' requests, for the fuzz targets.
 #[doc(hidden)]
@@ -42,9 +43,8 @@ pub mod fuzzing {
     use axum::http::{HeaderMap, HeaderValue, header};
 
     use page_protocol::{Control, Request};
+    use served_world::Pace;
     use sim_core::World;
-
-    use crate::world::pace::Pace;
 
     /// Reads a request of a viewer or of Foxglove. For a speed, computes the wait for an hour of simulated time.
     pub fn control(text: &str) {
@@ -56,7 +56,7 @@ pub mod fuzzing {
     /// Answers a question about room for a robot. Returns true if the robot can stand there; `None` if the text is no such question.
     pub fn fit(text: &str, world: &mut World) -> Option<bool> {
         let Ok(Request::Fit(wanted)) = Request::read(text) else { return None };
-        serde_json::to_value(crate::world::fit::fit(wanted, world)).ok()?.get("stands")?.as_bool()
+        serde_json::to_value(served_world::fit(wanted, world)).ok()?.get("stands")?.as_bool()
     }
 
     /// True if a client with these headers gets the page; false if one of them is not a valid header.

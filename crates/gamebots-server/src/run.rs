@@ -1,14 +1,13 @@
 //! The server: it binds the ports, starts the world's thread, and serves every port until the end.
 
-use std::cell::Cell;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
-use std::sync::mpsc::{self, Sender};
 use std::time::{Duration, Instant};
 
 use futures_util::future::join_all;
 use page_protocol::About;
+use served_world::{Entrance, Inquiry, Kind};
 use sim_core::World;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
@@ -33,14 +32,13 @@ use crate::ports::images::{self, Pictures};
 use crate::ports::wireless::{self, Network};
 use crate::ports::{foxglove, positions, truth};
 use crate::subscribers::board::Board;
+use crate::subscribers::defect::Defect;
 use crate::subscribers::foxglove::FoxgloveServer;
 use crate::subscribers::journal::Journal;
 use crate::subscribers::live::{self, Channels};
 use crate::subscribers::results::Results;
 use crate::subscribers::shots::Shots;
 use crate::subscribers::subscriber::Subscriber;
-use crate::world::event::{Event, Kind};
-use crate::world::inquiry::Inquiry;
 use crate::world::thread;
 
 /// Longest time to send the last lines to all clients.
@@ -61,15 +59,14 @@ pub(crate) async fn serve(
         addresses.push((listener.service, port.local_addr().map_err(ServeError::Start)?));
         bound.push((listener.service, port));
     }
-    let addresses = Ready(addresses);
-    // Unbounded: each sender waits for a turn, see `Turn`.
-    let (events, receiver) = mpsc::channel();
+    let (entrance, events) = Entrance::new();
+    let addresses = Ready { addresses, entrance: entrance.clone() };
     // Foxglove's clients cannot be told apart.
     let may_control = config.world_control == WorldControl::Everyone && door.access.is_open();
     let (foxglove, gate) = match addresses.of(Service::Foxglove) {
         Some(_) => {
-            let events = may_control.then_some(&events);
-            let (server, gate) = foxglove::start(&config.host, limits.foxglove, &door, &config.world, events).await?;
+            let entrance = may_control.then_some(&entrance);
+            let (server, gate) = foxglove::start(&config.host, limits.foxglove, &door, &config.world, entrance).await?;
             (Some(server), Some(gate))
         }
         None => (None, None),
@@ -78,7 +75,7 @@ pub(crate) async fn serve(
     let board = Board::default();
     let about = addresses.of(Service::Page).map(|_| about(&config, &addresses));
     let (live, channels) = live::broadcast(Instant::now(), &config.world, about, board.clone());
-    let network = Network::new(events.clone(), door.access.clone(), &config.host, config.propagation, limits);
+    let network = Network::new(entrance.clone(), door.access.clone(), &config.host, config.propagation, limits);
     let server = Server {
         rules: Rules {
             dialect: None,
@@ -88,14 +85,13 @@ pub(crate) async fn serve(
             stall_timeout: config.stall_timeout,
             budgets: door.budgets.clone(),
         },
-        connections: Cell::new(0),
-        page: Page::new(Arc::new(site(&config, &door, &addresses, limits, channels, events.clone())), limits.pages),
+        page: Page::new(Arc::new(site(&config, &door, &addresses, limits, channels, entrance.clone())), limits.pages),
         gate: gate.map(Arc::new),
         pictures: Pictures::new(board, config.image_kind, config.image_legacy),
         registry: Registry::new(network.clone(), limits.links, config.stall_timeout),
         network,
         stall_timeout: config.stall_timeout,
-        events,
+        entrance,
         limits,
         door,
     };
@@ -104,7 +100,7 @@ pub(crate) async fn serve(
         None => World::new(config.world.clone(), config.options),
     };
     let subscribers = subscribers(&config, &world, foxglove);
-    let world = thread::spawn(config, world, server.door.budgets.clone(), receiver, live, subscribers, gone)?;
+    let world = thread::spawn(config, world, server.door.budgets.clone(), events, live, subscribers, gone)?;
     let mut clients: Vec<(Service, JoinSet<()>)> =
         bound.iter().map(|(service, _)| (*service, JoinSet::new())).collect();
     let ports = clients.iter_mut().zip(bound);
@@ -124,7 +120,7 @@ pub(crate) async fn serve(
     };
     if !is_gone {
         // The world may have ended by now.
-        let _ = server.events.send(Event::Stop);
+        server.entrance.stop();
         let _ = world_gone.await;
     }
     // The world has closed every outbox; clients that read still get their last lines.
@@ -144,6 +140,9 @@ pub(crate) async fn serve(
 fn subscribers(config: &Config, world: &World, foxglove: Option<FoxgloveServer>) -> Vec<Box<dyn Subscriber>> {
     let mut list: Vec<Box<dyn Subscriber>> =
         vec![Box::new(Journal::of(world)), Box::new(Results::new(config.result.clone()))];
+    if let Some(at) = config.panic_at {
+        list.insert(0, Box::new(Defect { at }));
+    }
     if config.pictures {
         list.push(Box::new(Shots::default()));
     }
@@ -158,9 +157,7 @@ struct Server {
     door: Door,
     limits: Limits,
     rules: Rules,
-    /// Number of controllers' connections so far.
-    connections: Cell<u64>,
-    events: Sender<Event>,
+    entrance: Entrance,
     page: Page,
     /// The gate before Foxglove's server, if it is served.
     gate: Option<Arc<Gate>>,
@@ -180,9 +177,8 @@ impl Server {
         match service {
             Service::Controllers { dialect } => {
                 let serve = |accepted| {
-                    self.connections.set(self.connections.get() + 1);
                     let rules = Rules { dialect, ..self.rules.clone() };
-                    controllers::serve(self.connections.get(), accepted, rules, self.events.clone())
+                    controllers::serve(accepted, rules, self.entrance.clone())
                 };
                 let logins = LoginQueue::new(self.door.clone(), &[Role::Driver, Role::Referee], true);
                 accept_logins(clients, listener, Limit::Refusing(limits.controllers), logins, serve).await;
@@ -230,7 +226,7 @@ impl Server {
     }
 
     fn inquiry(&self, kind: Kind) -> Inquiry {
-        Inquiry::new(kind, self.events.clone())
+        self.entrance.guest(kind)
     }
 }
 
@@ -252,7 +248,7 @@ fn site(
     addresses: &Ready,
     limits: Limits,
     channels: Channels,
-    events: Sender<Event>,
+    entrance: Entrance,
 ) -> Site {
     // Without controllers the page cannot drive: nothing listens at this address, and its WebSocket reports that.
     let protocol = addresses.controllers().unwrap_or_else(|| SocketAddr::from((Ipv4Addr::LOCALHOST, 0)));
@@ -260,8 +256,8 @@ fn site(
         host: config.host.clone(),
         protocol: reachable(protocol),
         channels,
-        inquiry: Inquiry::new(Kind::Http, events.clone()),
-        events,
+        inquiry: entrance.guest(Kind::Http),
+        entrance,
         stall_timeout: config.stall_timeout,
         world_control: config.world_control,
         access: door.access.clone(),

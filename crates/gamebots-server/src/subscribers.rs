@@ -1,8 +1,8 @@
 //! Listeners of the world: logs, viewers, Foxglove, results.
 
-pub(crate) mod actors;
 pub(crate) mod board;
 pub(crate) mod cameras;
+pub(crate) mod defect;
 pub(crate) mod foxglove;
 pub(crate) mod job;
 pub(crate) mod journal;

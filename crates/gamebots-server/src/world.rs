@@ -1,12 +1,5 @@
-//! The thread that owns the world, and the requests to it.
+//! The thread of the world, its long work, and files of saved worlds.
 
-pub(crate) mod client;
-pub(crate) mod event;
-pub(crate) mod fit;
-pub(crate) mod guests;
-pub(crate) mod inquiry;
-pub(crate) mod pace;
-pub(crate) mod question;
-pub(crate) mod restart;
-pub(crate) mod saved;
+pub(crate) mod saves;
+pub(crate) mod tasks;
 pub(crate) mod thread;

@@ -72,7 +72,7 @@ impl LoggedSessions {
             return Ok(());
         }
         self.mistakes.insert(id, Mistakes::new(id));
-        self.record(&mut |_| {}, |sessions, hear| sessions.open(id, Some(Dialect::Udk), false, hear)).map(drop)
+        self.record(&mut |_| {}, |sessions, hear| sessions.open(id, Some(Dialect::Udk), false, hear))
     }
 
     /// Executes a request of a session, and returns its problems. Calls `sensed` with the readings that it causes.
@@ -86,7 +86,7 @@ impl LoggedSessions {
         sensed: &mut dyn FnMut(&Sensed),
     ) -> Result<Vec<Problem>, RecordError> {
         self.mistakes.get_mut(&id).into_iter().for_each(Mistakes::count_line);
-        self.record(sensed, |sessions, hear| sessions.take(id, request, hear))
+        self.record(sensed, |sessions, hear| sessions.take(id, request, hear)).map(|answer| answer.problems)
     }
 
     /// Executes a request of a session as [`LoggedSessions::take`] does. Returns its problems, and the lines that answer it.
@@ -101,15 +101,15 @@ impl LoggedSessions {
     ) -> Result<(Vec<Problem>, Vec<String>), RecordError> {
         self.mistakes.get_mut(&id).into_iter().for_each(Mistakes::count_line);
         let mut answers = Vec::new();
-        let problems = self.record(sensed, |sessions, hear| {
+        let answer = self.record(sensed, |sessions, hear| {
             sessions.ask(id, request, &mut |world, news| {
                 if let News::Sent { line, .. } = &news {
                     answers.push(line.clone());
                 }
                 hear(world, news);
-            });
+            })
         })?;
-        Ok((problems, answers))
+        Ok((answer.problems, answers))
     }
 
     /// Advances the world by one step. Calls `sensed` with the readings of the step.
@@ -136,7 +136,7 @@ impl LoggedSessions {
             let time = self.sessions.world().time();
             mistakes.repetitions().try_for_each(|text| log.write(time, &Record::Warning(text)))?;
         }
-        self.record(&mut |_| {}, |sessions, hear| sessions.close(id, hear)).map(drop)
+        self.record(&mut |_| {}, |sessions, hear| sessions.close(id, hear))
     }
 
     /// Ends the log, if there is one. Nothing is logged from then on.
@@ -156,19 +156,18 @@ impl LoggedSessions {
         log.finish(End { time, digest, unsettled_steps: world.unsettled_steps(), dropped: 0 })
     }
 
-    /// Does something with the sessions, records the news, and returns the problems among it.
-    fn record(
+    /// Does something with the sessions, and records the news.
+    fn record<T>(
         &mut self,
         sensed: &mut dyn FnMut(&Sensed),
-        act: impl FnOnce(&mut Sessions, Listener),
-    ) -> Result<Vec<Problem>, RecordError> {
-        let (mut found, mut written) = (Vec::new(), Ok(()));
+        act: impl FnOnce(&mut Sessions, Listener) -> T,
+    ) -> Result<T, RecordError> {
+        let mut written = Ok(());
         let Self { sessions, log, mistakes, .. } = self;
         let mut log = writer(log);
-        act(sessions, &mut |world, news| {
+        let done = act(sessions, &mut |world, news| {
             let mut warnings = Vec::new();
             if let News::Wrong { session, line, problems } = &news {
-                found.extend_from_slice(problems);
                 let told =
                     mistakes.get_mut(session).map(|it| problems.iter().filter_map(|problem| it.warning(line, problem)));
                 warnings.extend(told.into_iter().flatten().map(Record::Warning));
@@ -181,7 +180,7 @@ impl LoggedSessions {
                 written = records.into_iter().try_for_each(|record| log.write(world.time(), &record));
             }
         });
-        written.map(|()| found)
+        written.map(|()| done)
     }
 }
 

@@ -58,6 +58,17 @@ impl Request {
     }
 }
 
+/// The answer to a request of a session.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Answer {
+    /// The pawn that it spawned.
+    pub spawned: Option<PawnId>,
+    /// Its problems.
+    pub problems: Vec<Problem>,
+    /// The messages that answer it; none for a session that hears nothing.
+    pub messages: Vec<Message>,
+}
+
 /// An event of a session or of its world.
 #[derive(Debug)]
 pub enum News<'a> {
@@ -151,8 +162,19 @@ struct Session {
     dialect: Option<Dialect>,
     /// True if it gets an NFO line for each problem.
     hears_problems: bool,
-    /// True if it gets no lines.
-    is_silent: bool,
+    hears: Hears,
+}
+
+/// Forms in which a session hears.
+#[derive(Clone, Copy, Default, PartialEq)]
+enum Hears {
+    /// Lines: answers, and reports of its pawns.
+    #[default]
+    Lines,
+    /// Answers as messages, from [`Sessions::take`].
+    Answers,
+    /// Nothing at all.
+    Nothing,
 }
 
 /// A listener to the news of a world.
@@ -176,6 +198,11 @@ impl Sessions {
         &mut self.world
     }
 
+    /// Returns the world, and drops the sessions.
+    pub fn into_world(self) -> World {
+        self.world
+    }
+
     /// Returns every team's points, if the world has a league.
     pub fn standings(&self) -> Option<Standings> {
         self.round.as_ref().map(|round| round.standings(&self.world))
@@ -193,14 +220,19 @@ impl Sessions {
 
     /// Opens a session, and greets it. Without a dialect its robots decide. `hears_problems` is true to send it its problems.
     pub fn open(&mut self, id: SessionId, dialect: Option<Dialect>, hears_problems: bool, hear: Listener) {
-        self.sessions.insert(id, Session { dialect, hears_problems, is_silent: false });
+        self.sessions.insert(id, Session { dialect, hears_problems, hears: Hears::Lines });
         let greeting = self.world.greeting();
         self.send(id, None, &[greeting], hear);
     }
 
     /// Opens a session that gets no lines.
     pub fn open_silent(&mut self, id: SessionId) {
-        self.sessions.insert(id, Session { is_silent: true, ..Session::default() });
+        self.sessions.insert(id, Session { hears: Hears::Nothing, ..Session::default() });
+    }
+
+    /// Opens a session of a program: it gets no lines, and [`Sessions::take`] returns its answers.
+    pub fn open_program(&mut self, id: SessionId) {
+        self.sessions.insert(id, Session { hears: Hears::Answers, ..Session::default() });
     }
 
     /// True if a session is open.
@@ -208,19 +240,19 @@ impl Sessions {
         self.sessions.contains_key(&id)
     }
 
-    /// Executes a line of a session. Nothing happens if the session is not open.
-    pub fn take(&mut self, id: SessionId, request: &Request, hear: Listener) {
+    /// Executes a line of a session, and returns its answer. Nothing happens if the session is not open.
+    pub fn take(&mut self, id: SessionId, request: &Request, hear: Listener) -> Answer {
         let Request { text, command, problems } = request;
         let pawn = self.owners.newest(id);
         if !text.is_empty() {
             hear(&self.world, News::Received { session: id, pawn, line: text });
         }
         let adopted = command.as_ref().and_then(|command| self.adopt(command));
-        let Some(session) = self.sessions.get_mut(&id) else { return };
+        let Some(session) = self.sessions.get_mut(&id) else { return Answer::default() };
         if let Some(Command::Report(report)) = command {
             session.hears_problems = report.errors;
         }
-        let hears_problems = session.hears_problems;
+        let (hears_problems, hears) = (session.hears_problems, session.hears);
         let mut problems = problems.clone();
         let executed = match adopted {
             Some(pawn) => Some(Executed { spawned: Some(pawn), ..Executed::default() }),
@@ -234,7 +266,7 @@ impl Sessions {
             self.owners.add(pawn, id, text.clone());
             hear(&self.world, News::Came(pawn));
         }
-        let mut answers = self.messages(Some(id), answers, hear);
+        let mut answers = self.messages(hears != Hears::Nothing, answers, hear);
         let pawn = spawned.or(pawn);
         let time = self.world.time() as f32;
         let receipt = command.as_ref().filter(|_| pawn.is_some());
@@ -243,16 +275,16 @@ impl Sessions {
             answers.extend(problems.iter().map(|problem| Message::Nfo(Nfo::Error(problem.to_string()))));
         }
         self.send(id, pawn, &answers, hear);
+        Answer { spawned, problems, messages: answers }
     }
 
-    /// Executes a line of a session as [`Sessions::take`] does. A session that gets no lines gets the answers to this one.
-    pub fn ask(&mut self, id: SessionId, request: &Request, hear: Listener) {
-        let silence = |sessions: &mut Self, is_silent: bool| {
-            sessions.sessions.get_mut(&id).is_some_and(|session| std::mem::replace(&mut session.is_silent, is_silent))
-        };
-        let was_silent = silence(self, false);
-        self.take(id, request, hear);
-        silence(self, was_silent);
+    /// Executes a line of a session as [`Sessions::take`] does. A session that gets no lines gets those that answer this one.
+    pub fn ask(&mut self, id: SessionId, request: &Request, hear: Listener) -> Answer {
+        let Some(session) = self.sessions.get_mut(&id) else { return Answer::default() };
+        let before = std::mem::take(&mut session.hears);
+        let answer = self.take(id, request, hear);
+        self.sessions.get_mut(&id).into_iter().for_each(|session| session.hears = before);
+        answer
     }
 
     /// Executes a command. A league decides which robots come, and where.
@@ -292,7 +324,7 @@ impl Sessions {
             let own = std::iter::from_fn(|| reports.next_if(|(next, _)| *next == pawn));
             let own: Vec<Report> = own.map(|(_, report)| report).collect();
             let owner = self.owners.of(pawn);
-            let messages = self.messages(owner, own, hear);
+            let messages = self.messages(owner.is_some_and(|owner| self.hears(owner)), own, hear);
             if let Some(owner) = owner {
                 self.send(owner, Some(pawn), &messages, hear);
             }
@@ -372,17 +404,17 @@ impl Sessions {
 
     /// True if a session gets lines.
     fn hears(&self, id: SessionId) -> bool {
-        self.sessions.get(&id).is_some_and(|session| !session.is_silent)
+        self.sessions.get(&id).is_some_and(|session| session.hears == Hears::Lines)
     }
 
-    /// Tells of the readings among reports, and returns all as messages to a session; none if nobody gets them.
-    fn messages(&self, to: Option<SessionId>, reports: Vec<Report>, hear: Listener) -> Vec<Message> {
+    /// Tells of the readings among reports, and returns all as messages; none if nobody gets them.
+    fn messages(&self, are_heard: bool, reports: Vec<Report>, hear: Listener) -> Vec<Message> {
         for report in &reports {
             if let Report::Sensed(sensed) = report {
                 hear(&self.world, News::Sensed(sensed));
             }
         }
-        if !to.is_some_and(|session| self.hears(session)) {
+        if !are_heard {
             return Vec::new();
         }
         reports.into_iter().filter_map(|report| self.world.message(report)).collect()

@@ -150,7 +150,7 @@ fn a_panic_of_the_world_is_a_report_that_replays_up_to_it() {
     assert_eq!(output.status.code(), Some(70));
     let said = text(&output.stderr);
     for part in [
-        "a defect of this program: panicked at crates/gamebots-server/src/world/thread.rs:",
+        "a defect of this program: panicked at crates/gamebots-server/src/subscribers/defect.rs:",
         "the world panicked at 2.000 s: asked to panic; `usarsim log replay usarsim-panic-1.mcap`",
     ] {
         assert!(said.contains(part), "{part} is not in {said}");

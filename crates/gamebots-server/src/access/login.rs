@@ -2,17 +2,17 @@
 //! logged in.
 
 use std::net::SocketAddr;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use gamebots_proto::Dialect;
 use gamebots_proto::message::{Message, Nfo};
+use served_world::Budgets;
 use tokio::io::{AsyncReadExt, AsyncWriteExt, copy, sink};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::JoinSet;
 use tokio::time::timeout;
 use tracing::{debug, info};
 
-use crate::access::budget::Budgets;
 use crate::access::rights::{Access, LOGIN_TIME, Refusal, Rights};
 use crate::access::tokens::{Role, Tokens};
 use crate::access::waiting_room::{Visitor, WaitingRoom};
@@ -89,7 +89,7 @@ impl LoginQueue {
             match access.log_in(&mut stream, wanted).await {
                 Ok(rights) => Some(Accepted { stream, peer, rights }),
                 Err(refusal) => {
-                    if budgets.allow(peer.ip()) {
+                    if budgets.allow(peer.ip(), Instant::now()) {
                         info!(%peer, %refusal, "client refused");
                     }
                     if sends_reason {

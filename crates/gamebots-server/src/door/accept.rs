@@ -3,12 +3,12 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
+use served_world::{Budget, Spent};
 use tokio::net::{TcpListener, TcpSocket, lookup_host};
 use tokio::task::JoinSet;
 use tokio::time::sleep;
 use tracing::warn;
 
-use crate::access::budget::{Budget, Spent};
 use crate::config::{IfTaken, Listener, Service};
 use crate::error::ServeError;
 

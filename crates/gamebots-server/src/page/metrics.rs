@@ -10,10 +10,10 @@ use std::time::Duration;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use served_world::{Health, Question};
 use tokio::time::timeout;
 
 use crate::page::shared::Site;
-use crate::world::question::{Health, Question};
 
 /// Longest wait for the world.
 const PATIENCE: Duration = Duration::from_secs(2);

@@ -2,10 +2,10 @@
 
 use std::net::{IpAddr, SocketAddr};
 use std::sync::atomic::AtomicU64;
-use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use served_world::{Entrance, Inquiry};
 use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
 
 use crate::access::rights::{Access, WorldControl};
@@ -13,8 +13,6 @@ use crate::access::waiting_room::Stay;
 use crate::page::class::ClassPages;
 use crate::page::packed::Packed;
 use crate::subscribers::live::Channels;
-use crate::world::event::Event;
-use crate::world::inquiry::Inquiry;
 
 /// Pages that may frame the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,7 +40,7 @@ pub(crate) struct Site {
     /// Address of the protocol's port.
     pub(crate) protocol: SocketAddr,
     pub(crate) channels: Channels,
-    pub(crate) events: Sender<Event>,
+    pub(crate) entrance: Entrance,
     /// The way of all HTTP requests to the world.
     pub(crate) inquiry: Inquiry,
     /// Time after which a viewer that reads nothing is disconnected.

@@ -14,6 +14,7 @@ use axum::routing::get;
 use axum::{Extension, Router};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
+use served_world::Question;
 use tokio::net::TcpStream;
 use tokio::sync::Semaphore;
 use tokio_io_timeout::TimeoutStream;
@@ -25,7 +26,6 @@ use crate::access::waiting_room::Visitor;
 use crate::page::packed::json;
 use crate::page::shared::{Peer, Site, Visit};
 use crate::page::{file, log_scene, metrics, viewer, wire};
-use crate::world::question::Question;
 
 /// Longest time for the head of a request, and for a client to read its response.
 const TIMEOUT: Duration = Duration::from_secs(10);

@@ -6,13 +6,14 @@
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::atomic::AtomicU64;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use page_protocol::{About, RobotStatus, Status};
 use scene::{Options, Sensed, Snapshot, WorldDef};
+use served_world::{Entrance, Event, Kind};
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 use tokio::task::JoinSet;
@@ -28,8 +29,6 @@ use crate::page::shared::{Framing, Site};
 use crate::page::site::Page;
 use crate::subscribers::board::Board;
 use crate::subscribers::live::{self, Broadcast};
-use crate::world::event::{Event, Kind};
-use crate::world::inquiry::Inquiry;
 
 /// Interval between two frames, and least time between two snapshots that are worth taking.
 const FRAME_INTERVAL: Duration = Duration::from_millis(33);
@@ -69,14 +68,14 @@ impl View {
         let address = bound.local_addr().map_err(ServeError::Start)?;
         let about = About { seed: options.seed, time_step: options.time_step, port: 0, maps: Vec::new() };
         let (live, channels) = live::broadcast(Instant::now(), def, Some(about), Board::default());
-        let (events, requests) = channel();
+        let (entrance, requests) = Entrance::new();
         let Door { access, room, .. } = Door::new(None, MAX_CONNECTIONS);
         let site = Site {
             host,
             protocol: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
             channels,
-            inquiry: Inquiry::new(Kind::Http, events.clone()),
-            events,
+            inquiry: entrance.guest(Kind::Http),
+            entrance,
             stall_timeout: Duration::from_secs(30),
             world_control: WorldControl::Nobody,
             access,

@@ -9,6 +9,7 @@ use axum::extract::State;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade};
 use axum::response::Response;
 use page_protocol::{Actor, Fit, Line, Listen, Measured, Request, Wanted};
+use served_world::{Inquiry, Kind, Question};
 use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::oneshot;
@@ -18,9 +19,6 @@ use crate::access::rights::LOGIN_TIME;
 use crate::access::tokens::Role;
 use crate::page::shared::{Peer, Site, Visit};
 use crate::subscribers::cameras::Wish;
-use crate::world::event::Kind;
-use crate::world::inquiry::Inquiry;
-use crate::world::question::Question;
 
 /// Longest text that a viewer may send.
 const MAX_TEXT: usize = 1024;
@@ -42,7 +40,7 @@ pub(crate) async fn upgrade(
     socket: WebSocketUpgrade,
 ) -> Response {
     socket.max_message_size(MAX_TEXT).on_upgrade(move |socket| async move {
-        let inquiry = |site: &Site| Inquiry::new(Kind::Page, site.events.clone());
+        let inquiry = |site: &Site| site.entrance.guest(Kind::Page);
         let (controls, fits) = (inquiry(&site), inquiry(&site));
         let actor = Actor::page(site.pages.fetch_add(1, Ordering::Relaxed) + 1, peer.address);
         let wish = site.channels.wish();

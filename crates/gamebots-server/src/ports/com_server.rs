@@ -227,9 +227,9 @@ mod tests {
     use crate::door::limits::limits;
 
     fn registry() -> Registry {
-        let (events, _) = std::sync::mpsc::channel();
+        let (entrance, _) = served_world::Entrance::new();
         let (limits, _) = limits(&Config::new(scene::WorldDef::default()));
-        let network = Network::new(events, Access::new(None), "127.0.0.1", Propagation::Everywhere, limits);
+        let network = Network::new(entrance, Access::new(None), "127.0.0.1", Propagation::Everywhere, limits);
         Registry::new(network, 4, PATIENCE)
     }
 

@@ -1,24 +1,21 @@
 //! One client: bytes become commands to the world, and lines from its outbox become bytes.
 
 use std::sync::Arc;
-use std::sync::mpsc::Sender;
 use std::time::Duration;
 
 use gamebots_proto::ports::read_login;
 use gamebots_proto::{Dialect, Framing, Problem};
 use outbox::{Outbox, Taken};
-use sessions::{Request, SessionId};
+use served_world::{Budgets, Entrance, Session};
+use sessions::Request;
 use tokio::io::{AsyncWrite, AsyncWriteExt};
 use tokio::net::tcp::OwnedReadHalf;
-use tokio::sync::Semaphore;
 use tokio::time::{Instant, sleep_until, timeout};
 use tracing::info;
 
-use crate::access::budget::Budgets;
 use crate::access::login::Accepted;
 use crate::access::rights::{Access, WorldControl};
 use crate::door::lines::{End, Reader};
-use crate::world::event::{Event, Opened};
 
 /// Least time between two lines sent in separate segments. A script that takes one `recv` for one line has read the first by
 /// then.
@@ -42,10 +39,11 @@ pub(crate) struct Rules {
 }
 
 /// Serves a client until it leaves, or is disconnected because it does not read.
-pub(crate) async fn serve(id: SessionId, accepted: Accepted, rules: Rules, events: Sender<Event>) {
+pub(crate) async fn serve(accepted: Accepted, rules: Rules, entrance: Entrance) {
+    let id = entrance.next_session();
     let Accepted { stream, peer: address, rights } = accepted;
     let host = address.ip();
-    if rules.budgets.allow(host) {
+    if rules.budgets.allow(host, std::time::Instant::now()) {
         info!(connection = id, peer = %address, "client connected");
     }
     // Lines would wait for each other (Nagle's algorithm).
@@ -63,12 +61,10 @@ pub(crate) async fn serve(id: SessionId, accepted: Accepted, rules: Rules, event
     };
     let (read, write) = stream.into_split();
     let outbox = Arc::new(Outbox::default());
-    if events.send(Event::Opened(Opened { id, address, dialect, outbox: outbox.clone() })).is_err() {
-        return;
-    }
+    let Ok(session) = entrance.open(id, address, dialect, outbox.clone()) else { return };
     let writer = write_lines(write, &outbox, stall_timeout);
     tokio::pin!(writer);
-    let reader = read_lines(id, read, admit, &outbox, &events);
+    let reader = read_lines(&session, read, admit, &outbox);
     let (reason, may_still_write) = tokio::select! {
         reason = reader => (reason, true),
         reason = &mut writer => (reason, false),
@@ -78,24 +74,22 @@ pub(crate) async fn serve(id: SessionId, accepted: Accepted, rules: Rules, event
         outbox.close();
     }
     // The world closes the outbox after this event, so that the last answers are still sent.
-    let told = events.send(Event::Closed(id)).is_ok();
+    let told = session.close().is_ok();
     if told && may_still_write {
         writer.await;
     }
-    if budgets.allow(host) {
+    if budgets.allow(host, std::time::Instant::now()) {
         info!(connection = id, reason, "client disconnected");
     }
 }
 
 /// Reads until the client ends the stream. `admit` makes a line a request, or leaves it out.
 async fn read_lines(
-    id: SessionId,
+    session: &Session,
     read: OwnedReadHalf,
     admit: impl Fn(Result<String, Problem>) -> Option<Request>,
     outbox: &Outbox,
-    events: &Sender<Event>,
 ) -> &'static str {
-    let turns = Arc::new(Semaphore::new(1));
     let mut reader = Reader::new(read, Framing::default());
     loop {
         outbox.ready_for_answers().await;
@@ -108,7 +102,7 @@ async fn read_lines(
         let mut requests = lines.into_iter().filter_map(&admit).chain(http).peekable();
         while requests.peek().is_some() {
             let requests = requests.by_ref().take(MAX_REQUESTS).collect();
-            if hand_over(id, requests, &turns, events).await.is_err() {
+            if session.send(requests).await.is_err() {
                 return "the server stops";
             }
         }
@@ -119,19 +113,6 @@ async fn read_lines(
             Some(End::Http) => return "it speaks HTTP",
         }
     }
-}
-
-/// The world has ended.
-struct Stopped;
-
-async fn hand_over(
-    id: SessionId,
-    requests: Vec<Request>,
-    turns: &Arc<Semaphore>,
-    events: &Sender<Event>,
-) -> Result<(), Stopped> {
-    let turn = turns.clone().acquire_owned().await.map_err(|_| Stopped)?;
-    events.send(Event::Requests(id, requests, turn)).map_err(|_| Stopped)
 }
 
 /// Writes lines as they come. Paced lines leave in separate segments, [`LINE_INTERVAL`] apart.

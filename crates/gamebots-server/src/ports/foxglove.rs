@@ -1,42 +1,39 @@
 //! The port of Foxglove. Its services control the world's time.
 
 use std::net::SocketAddr;
-use std::sync::mpsc::Sender;
 
 use foxglove::Schema;
 use foxglove::websocket::service::{Request, Service, ServiceSchema};
 use page_protocol::{Actor, Control};
 use recorder::Admitted;
 use scene::WorldDef;
+use served_world::{Entrance, Inquiry, Kind, Question};
 
 use crate::access::login::Door;
 use crate::access::pass::Pass;
 use crate::error::ServeError;
 use crate::ports::gate::{Gate, hidden_address};
 use crate::subscribers::foxglove::{self as server, FoxgloveServer};
-use crate::world::event::{Event, Kind};
-use crate::world::inquiry::Inquiry;
-use crate::world::question::Question;
 
-/// Starts Foxglove's server, and returns it with the gate before it, for so many clients at once. Their requests go to `events`; without it, no
+/// Starts Foxglove's server, and returns it with the gate before it, for so many clients at once. Their requests go in by `entrance`; without it, no
 /// services are offered.
 pub(crate) async fn start(
     host: &str,
     most: usize,
     door: &Door,
     world: &WorldDef,
-    events: Option<&Sender<Event>>,
+    entrance: Option<&Entrance>,
 ) -> Result<(FoxgloveServer, Gate), ServeError> {
     let (pass, admitted, hidden) = (Pass::new(), Admitted::default(), hidden_address());
-    let services = events.map(services).unwrap_or_default();
+    let services = entrance.map(services).unwrap_or_default();
     let (server, port) = server::start(hidden, world, services, pass.clone(), admitted.clone()).await?;
     let behind = SocketAddr::from((hidden, port));
     Ok((server, Gate::new(host, most, door.clone(), behind, pass, admitted)))
 }
 
 /// Builds the services pause, step, speed and reset, with the page's requests.
-fn services(events: &Sender<Event>) -> Vec<Service> {
-    let inquiry = Inquiry::new(Kind::Foxglove, events.clone());
+fn services(entrance: &Entrance) -> Vec<Service> {
+    let inquiry = entrance.guest(Kind::Foxglove);
     let service = |name: &'static str, argument: &'static str| {
         let request = format!("{{\"type\":\"object\",\"properties\":{{{argument}}}}}");
         let response = "{\"type\":\"object\",\"properties\":{\"success\":{\"type\":\"boolean\"}}}";

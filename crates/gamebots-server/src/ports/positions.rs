@@ -4,12 +4,10 @@ use std::time::Duration;
 
 use gamebots_proto::Framing;
 use gamebots_proto::ports::{Place, PositionsQuestion};
+use served_world::{Inquiry, Question, point_of};
 
 use crate::access::login::Accepted;
 use crate::door::lines::Conversation;
-use crate::subscribers::actors::point_of;
-use crate::world::inquiry::Inquiry;
-use crate::world::question::Question;
 
 /// Answers a client until it leaves, speaks HTTP or does not read.
 pub(crate) async fn converse(inquiry: Inquiry, accepted: Accepted, stall_timeout: Duration) {

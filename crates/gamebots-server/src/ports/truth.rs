@@ -7,14 +7,12 @@ use std::time::Duration;
 
 use gamebots_proto::Framing;
 use gamebots_proto::ports::{Row, TRUTH_END, TruthQuestion, rows};
+use served_world::{Actors, Inquiry, Question};
 use sim_core::Actor;
 use tokio::time::sleep;
 
 use crate::access::login::Accepted;
 use crate::door::lines::Conversation;
-use crate::subscribers::actors::Actors;
-use crate::world::inquiry::Inquiry;
-use crate::world::question::Question;
 
 /// Time between the rows of truth and their end.
 const BEFORE_END: Duration = Duration::from_millis(20);

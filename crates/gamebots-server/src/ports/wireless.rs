@@ -5,13 +5,13 @@
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, SocketAddr};
-use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use gamebots_proto::ports::{Strength, WirelessCommand, WirelessError, origin, registered, route, strength};
 use gamebots_proto::{Framing, Problem};
 use nalgebra::Point3;
+use served_world::{Entrance, Inquiry, Kind, Question};
 use tokio::io::{AsyncWriteExt, copy, split};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Notify, watch};
@@ -27,9 +27,6 @@ use crate::config::Propagation;
 use crate::door::accept::BACK_OFF;
 use crate::door::limits::Limits;
 use crate::door::lines::{Conversation, Requests};
-use crate::world::event::{Event, Kind};
-use crate::world::inquiry::Inquiry;
-use crate::world::question::Question;
 
 /// Time between two looks at the links (WSS: 1 s).
 pub(crate) const LOOK: Duration = Duration::from_secs(1);
@@ -69,7 +66,7 @@ pub(crate) struct Network {
     /// Places for ports that robots are given, and for relayed connections.
     routes: Shares,
     relays: Shares,
-    events: Sender<Event>,
+    entrance: Entrance,
     access: Access,
     host: Arc<str>,
     model: Propagation,
@@ -110,14 +107,14 @@ impl Drop for Route {
 type Places = BTreeMap<String, ([f64; 3], bool)>;
 
 impl Network {
-    pub(crate) fn new(events: Sender<Event>, access: Access, host: &str, model: Propagation, limits: Limits) -> Self {
+    pub(crate) fn new(entrance: Entrance, access: Access, host: &str, model: Propagation, limits: Limits) -> Self {
         let (routes, relays) = (Shares::new(limits.routes), Shares::new(limits.relays));
-        Self { shared: Arc::default(), routes, relays, events, access, host: host.into(), model }
+        Self { shared: Arc::default(), routes, relays, entrance, access, host: host.into(), model }
     }
 
     /// Returns the strength of a signal between two robots, dBm, as [`Self::strength`] does.
     pub(crate) async fn strength_between(&self, one: &str, other: &str) -> Option<f64> {
-        let inquiry = Inquiry::new(Kind::Radio, self.events.clone());
+        let inquiry = self.entrance.guest(Kind::Radio);
         let places = if self.model == Propagation::Everywhere { Places::new() } else { places(&inquiry).await? };
         self.strength(&inquiry, &places, one, other).await
     }
@@ -133,7 +130,7 @@ impl Network {
 
     /// Looks at the links once a second: breaks and restores them, and removes robots that have left the world. Never ends.
     pub(crate) async fn watch(self) {
-        let inquiry = Inquiry::new(Kind::Radio, self.events.clone());
+        let inquiry = self.entrance.guest(Kind::Radio);
         let mut looks = interval(LOOK);
         loop {
             looks.tick().await;

@@ -9,11 +9,12 @@ use foxglove::websocket::{Capability, ChannelView, Client, ClientChannel, Server
 use foxglove::{Context, WebSocketServerHandle};
 use recorder::{Admitted, Latched, Live, Record, Recorder, StateTimer};
 use scene::WorldDef;
+use served_world::Told;
 use sim_core::World;
 
 use crate::access::pass::Pass;
 use crate::error::ServeError;
-use crate::subscribers::subscriber::{Moment, Shot, Subscriber, Told};
+use crate::subscribers::subscriber::{Moment, Shot, Subscriber, record_of};
 
 /// Messages that can wait for one client; if the world is fast, a client misses the oldest.
 const BACKLOG: usize = 1024;
@@ -63,7 +64,11 @@ pub(crate) async fn start(
 
 impl Subscriber for FoxgloveServer {
     fn hear(&mut self, moment: &mut Moment, event: &Told) {
-        event.record().into_iter().for_each(|record| self.recorder.record(moment.world.time(), record));
+        record_of(event).into_iter().for_each(|record| self.recorder.record(moment.world.time(), record));
+    }
+
+    fn see(&mut self, moment: &mut Moment, shot: &Shot) {
+        self.recorder.record(moment.world.time(), shot.record());
     }
 
     fn keeps_records(&self) -> bool {

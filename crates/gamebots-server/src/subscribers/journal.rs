@@ -4,10 +4,11 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use recorder::{End, LogWriter, Record, RecordError};
+use served_world::Told;
 use sessions::News;
 use sim_core::World;
 
-use crate::subscribers::subscriber::{Moment, Subscriber, Told};
+use crate::subscribers::subscriber::{Moment, Subscriber, record_of};
 
 /// Most memory of the journal, bytes: hours of a controller that sends fifty lines a second. Beyond it, the oldest entries are
 /// lost.
@@ -60,7 +61,7 @@ impl Journal {
 impl Subscriber for Journal {
     fn hear(&mut self, moment: &mut Moment, event: &Told) {
         if let Told::News(News::Received { .. } | News::Left(_) | News::Closed(_)) = event {
-            event.record().into_iter().for_each(|record| self.add(moment.world.time(), record));
+            record_of(event).into_iter().for_each(|record| self.add(moment.world.time(), record));
         }
     }
 

@@ -11,13 +11,14 @@ use std::time::{Duration, Instant};
 use axum::body::Bytes;
 use page_protocol::{About, Line, Measured, Message, Status, objects_json, scene_json};
 use scene::{MapDef, ObjectSnapshot, Reading, RobotDef, Sensed, Snapshot, WorldDef};
+use served_world::Told;
 use sessions::News;
 use sim_core::{PawnId, World};
 use tokio::sync::{broadcast, watch};
 
 use crate::subscribers::board::Board;
 use crate::subscribers::cameras::{Cameras, Demand, Picture, Wish};
-use crate::subscribers::subscriber::{Moment, Subscriber, Told};
+use crate::subscribers::subscriber::{Moment, Subscriber};
 
 /// Real time between two frames.
 const FRAME_INTERVAL: Duration = Duration::from_micros(33_333);
@@ -307,7 +308,7 @@ impl Subscriber for Broadcast {
                 self.changed(now);
             }
             Told::Changed => self.changed(now),
-            Told::Note(_) | Told::Standings(_) | Told::Result(_) | Told::Picture(..) => {}
+            Told::Note(_) | Told::Standings(_) | Told::Result(_) => {}
         }
     }
 

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use recorder::{Closing, End, LogWriter, RecordError, Recorder, StateTimer, Storage, ros2_path};
+use served_world::Told;
 use sim_core::{Options, World};
 
 use crate::files::{is_kept, numbered};
-use crate::subscribers::subscriber::{Moment, Shot, Subscriber, Told};
+use crate::subscribers::subscriber::{Moment, Shot, Subscriber, record_of};
 
 /// Least real time between the beginnings of two logs.
 const BEGIN_INTERVAL: Duration = Duration::from_secs(1);
@@ -185,9 +186,15 @@ impl Recording {
 impl Subscriber for Recording {
     fn hear(&mut self, moment: &mut Moment, event: &Told) {
         if let Some(open) = &mut self.open
-            && let Some(record) = event.record()
+            && let Some(record) = record_of(event)
         {
             open.recorder.record(moment.world.time(), record);
+        }
+    }
+
+    fn see(&mut self, moment: &mut Moment, shot: &Shot) {
+        if let Some(open) = &mut self.open {
+            open.recorder.record(moment.world.time(), shot.record());
         }
     }
 

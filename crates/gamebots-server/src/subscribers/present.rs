@@ -3,9 +3,8 @@
 use std::sync::Arc;
 
 use scene::Snapshot;
+use served_world::Actors;
 use sim_core::World;
-
-use crate::subscribers::actors::Actors;
 
 /// A snapshot and the poses of everything, made when first needed after a change.
 #[derive(Default)]

@@ -1,19 +1,19 @@
 //! The publisher of all that happens, to the list of subscribers. Nothing is published elsewhere.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use page_protocol::Status;
 use recorder::RecordError;
+use served_world::{Actors, Audience, Told};
 use sessions::News;
 use sim_core::World;
 
-use crate::subscribers::actors::Actors;
 use crate::subscribers::live::Broadcast;
-use crate::subscribers::log::{BeginError, Recording};
+use crate::subscribers::log::Recording;
 use crate::subscribers::present::Present;
-use crate::subscribers::subscriber::{Moment, Shot, Subscriber, Told};
+use crate::subscribers::subscriber::{Moment, Shot, Subscriber};
 
 /// The subscribers. Two of them take requests, too: the log starts and ends, and viewers get the status.
 pub(crate) struct Publisher {
@@ -30,84 +30,6 @@ impl Publisher {
         Self { log, live, others, present: Present::default(), now }
     }
 
-    /// Sets the real time of what is published from now on.
-    pub(crate) fn set_now(&mut self, now: Instant) {
-        self.now = now;
-    }
-
-    /// Publishes news.
-    pub(crate) fn news(&mut self, world: &World, news: &News) {
-        match news {
-            News::Received { .. } | News::Came(_) | News::Left(_) | News::Lost(_) => self.present.forget(),
-            News::Wrong { .. }
-            | News::Sensed(_)
-            | News::Sent { .. }
-            | News::Closed(_)
-            | News::Restored { .. }
-            | News::Scored(_)
-            | News::TimeUp(_) => {}
-        }
-        self.tell(world, &Told::News(news));
-    }
-
-    /// Publishes an event.
-    pub(crate) fn tell(&mut self, world: &World, event: &Told) {
-        if let Told::Changed = event {
-            self.present.forget();
-        }
-        self.each(world, |subscriber, moment| subscriber.hear(moment, event));
-    }
-
-    /// Publishes the end of a step.
-    pub(crate) fn stepped(&mut self, world: &World) {
-        let mut shots: Vec<Shot> = Vec::new();
-        self.each(world, |subscriber, moment| shots.extend(subscriber.stepped(moment)));
-        shots.iter().for_each(|Shot { taken, png }| self.tell(world, &Told::Picture(taken, png)));
-    }
-
-    /// Publishes what is due by the clock: the frame, the status, and news of logs. `status` gets the path of the open log. To be called
-    /// often.
-    pub(crate) fn publish(&mut self, world: &World, status: impl FnOnce(Option<&Path>) -> Status) {
-        if let Some(due) = self.live.due(self.now) {
-            let status = due.status.then(|| status(self.log.path()));
-            self.live.publish(self.now, world.def(), &self.present.of(world), status);
-        }
-        self.notices(world, |subscriber, moment| subscriber.publish(moment));
-    }
-
-    /// Starts a log without a given name, or ends the open one.
-    pub(crate) fn record(&mut self, world: &World, on: bool) {
-        if !on {
-            return self.log.stop(world);
-        }
-        match self.log.start_unnamed(self.now, world) {
-            Ok(()) => {
-                let text = self.log.path().map(|path| format!("recording to {}", path.display()));
-                text.iter().for_each(|text| self.tell(world, &Told::Notice(text)));
-            }
-            Err(error) => self.tell(world, &Told::Warning(&error.to_string())),
-        }
-    }
-
-    /// Returns everything that has a pose in the world.
-    pub(crate) fn actors(&mut self, world: &World) -> Arc<Actors> {
-        self.present.actors(world)
-    }
-
-    /// Checks if the world may start over now.
-    ///
-    /// # Errors
-    /// When the next log would start too soon, or too many logs are incomplete.
-    pub(crate) fn may_start_over(&self) -> Result<(), BeginError> {
-        self.log.may_start_over(self.now)
-    }
-
-    /// Replaces the old world with a fresh one.
-    pub(crate) fn start_over(&mut self, old: &World, new: &World) {
-        self.present.forget();
-        self.notices(new, |subscriber, moment| subscriber.start_over(moment, old));
-    }
-
     /// Ends all subscribers, because of a panic if there is a reason. Returns the report of the panic, if one was written.
     pub(crate) fn end(mut self, world: &World, panic: Option<&str>) -> Option<Result<PathBuf, RecordError>> {
         let mut report = None;
@@ -119,7 +41,7 @@ impl Publisher {
     fn notices(&mut self, world: &World, mut act: impl FnMut(&mut dyn Subscriber, &mut Moment) -> Vec<String>) {
         let mut notices = Vec::new();
         self.each(world, |subscriber, moment| notices.extend(act(subscriber, moment)));
-        notices.iter().for_each(|text| self.tell(world, &Told::Notice(text)));
+        notices.iter().for_each(|text| self.hear(world, &Told::Notice(text)));
     }
 
     /// Does something with each subscriber.
@@ -130,5 +52,75 @@ impl Publisher {
         act(live, &mut moment);
         act(log, &mut moment);
         others.iter_mut().for_each(|other| act(&mut **other, &mut moment));
+    }
+}
+
+impl Audience for Publisher {
+    fn set_now(&mut self, now: Instant) {
+        self.now = now;
+    }
+
+    fn hear(&mut self, world: &World, event: &Told) {
+        match event {
+            Told::News(News::Received { .. } | News::Came(_) | News::Left(_) | News::Lost(_)) | Told::Changed => {
+                self.present.forget();
+            }
+            Told::News(
+                News::Wrong { .. }
+                | News::Sensed(_)
+                | News::Sent { .. }
+                | News::Closed(_)
+                | News::Restored { .. }
+                | News::Scored(_)
+                | News::TimeUp(_),
+            )
+            | Told::Warning(_)
+            | Told::Note(_)
+            | Told::Notice(_)
+            | Told::Standings(_)
+            | Told::Result(_) => {}
+        }
+        self.each(world, |subscriber, moment| subscriber.hear(moment, event));
+    }
+
+    fn stepped(&mut self, world: &World) {
+        let mut shots: Vec<Shot> = Vec::new();
+        self.each(world, |subscriber, moment| shots.extend(subscriber.stepped(moment)));
+        shots.iter().for_each(|shot| self.each(world, |subscriber, moment| subscriber.see(moment, shot)));
+    }
+
+    fn publish(&mut self, world: &World, status: &mut dyn FnMut() -> Status) {
+        if let Some(due) = self.live.due(self.now) {
+            let recording = self.log.path().map(|path| path.display().to_string());
+            let status = due.status.then(|| Status { recording, ..status() });
+            self.live.publish(self.now, world.def(), &self.present.of(world), status);
+        }
+        self.notices(world, |subscriber, moment| subscriber.publish(moment));
+    }
+
+    fn record(&mut self, world: &World, on: bool) {
+        if !on {
+            return self.log.stop(world);
+        }
+        match self.log.start_unnamed(self.now, world) {
+            Ok(()) => {
+                let text = self.log.path().map(|path| format!("recording to {}", path.display()));
+                text.iter().for_each(|text| self.hear(world, &Told::Notice(text)));
+            }
+            Err(error) => self.hear(world, &Told::Warning(&error.to_string())),
+        }
+    }
+
+    fn actors(&mut self, world: &World) -> Arc<Actors> {
+        self.present.actors(world)
+    }
+
+    fn may_start_over(&self) -> Result<(), String> {
+        self.log.may_start_over(self.now).map_err(|error| error.to_string())
+    }
+
+    fn start_over(&mut self, old: &World, new: &World) {
+        self.present.forget();
+        self.notices(new, |subscriber, moment| subscriber.start_over(moment, old));
     }
 }

@@ -5,11 +5,12 @@ use std::thread::JoinHandle;
 
 use recorder::RecordError;
 use scene::Standings;
+use served_world::Told;
 use sessions::News;
 use tracing::{info, warn};
 
 use crate::files::{is_kept, numbered};
-use crate::subscribers::subscriber::{Moment, Subscriber, Told};
+use crate::subscribers::subscriber::{Moment, Subscriber};
 
 /// Writer of results.
 #[derive(Default)]

@@ -6,12 +6,13 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use recorder::PictureTaken;
 use scene::{Reading, Sensed, Snapshot};
+use served_world::Told;
 use sessions::News;
 use sim_core::World;
 use tracing::warn;
 
 use crate::subscribers::job::{Job, image_of};
-use crate::subscribers::subscriber::{Moment, Shot, Subscriber, Told};
+use crate::subscribers::subscriber::{Moment, Shot, Subscriber};
 
 /// Simulated time between what a picture in a log shows and its record, s.
 const DELAY: f64 = 0.1;

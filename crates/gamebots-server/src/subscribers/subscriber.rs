@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use recorder::{PictureTaken, Record, RecordError};
-use scene::{Snapshot, Standings};
-use sessions::News;
+use scene::Snapshot;
+use served_world::Told;
 use sim_core::World;
 
 use crate::subscribers::present::Present;
@@ -28,46 +28,23 @@ impl Moment<'_> {
     }
 }
 
-/// Something that subscribers are told.
-#[derive(Debug)]
-pub(crate) enum Told<'a> {
-    /// News of the sessions.
-    News(&'a News<'a>),
-    /// A warning about the world, in words.
-    Warning(&'a str),
-    /// A warning for logs alone. Viewers see it in their status.
-    Note(&'a str),
-    /// The outcome of a request, in words, for viewers alone.
-    Notice(&'a str),
-    /// Every team's points when a log ends.
-    Standings(&'a Standings),
-    /// Every team's points at the end of the world.
-    Result(&'a Standings),
-    /// A picture of a robot's camera and its PNG file.
-    Picture(&'a PictureTaken, &'a [u8]),
-    /// A change of the status: a client arrived, or the timing changed.
-    Changed,
-}
-
-impl Told<'_> {
-    /// Returns the record of it; `None` if logs have none.
-    pub(crate) fn record(&self) -> Option<Record> {
-        match self {
-            Self::News(news) => logbook::record(news),
-            Self::Warning(text) | Self::Note(text) => Some(Record::Warning((*text).to_owned())),
-            Self::Standings(standings) | Self::Result(standings) => {
-                Some(Record::Standings(Box::new((*standings).clone())))
-            }
-            Self::Picture(taken, png) => Some(Record::Picture(**taken, png.to_vec())),
-            Self::Notice(_) | Self::Changed => None,
-        }
+/// Returns the record of what is told; `None` if logs have none.
+pub(crate) fn record_of(told: &Told) -> Option<Record> {
+    match told {
+        Told::News(news) => logbook::record(news),
+        Told::Warning(text) | Told::Note(text) => Some(Record::Warning((*text).to_owned())),
+        Told::Standings(standings) | Told::Result(standings) => Some(Record::Standings(Box::new((*standings).clone()))),
+        Told::Notice(_) | Told::Changed => None,
     }
 }
 
-/// A listener of the world. A new one needs an entry in the list of the world's thread, and nothing else.
+/// A listener of the world. A new one needs an entry in the list of `run.rs`, and nothing else.
 pub(crate) trait Subscriber: Send {
     /// Hears of an event.
     fn hear(&mut self, moment: &mut Moment, event: &Told);
+
+    /// Sees a picture of a robot's camera for logs.
+    fn see(&mut self, _: &mut Moment, _: &Shot) {}
 
     /// True if it keeps records now. Pictures for logs are drawn only if somebody does.
     fn keeps_records(&self) -> bool {
@@ -98,5 +75,13 @@ pub(crate) trait Subscriber: Send {
 /// A picture of a robot's camera for logs.
 pub(crate) struct Shot {
     pub(crate) taken: PictureTaken,
+    /// Its PNG file.
     pub(crate) png: Vec<u8>,
+}
+
+impl Shot {
+    /// Returns the record of it.
+    pub(crate) fn record(&self) -> Record {
+        Record::Picture(self.taken, self.png.clone())
+    }
 }

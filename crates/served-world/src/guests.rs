@@ -5,10 +5,11 @@
 //! that cost least. So one connection that asks without pause delays no other, and many connections to one service delay no other service.
 
 use std::collections::BTreeMap;
-use std::time::{Duration, Instant};
 
-use crate::world::event::{Guest, Kind, Turn};
-use crate::world::question::Question;
+use web_time::{Duration, Instant};
+
+use crate::event::{Guest, Kind, Turn};
+use crate::question::Question;
 
 /// Part of real time that guests may take while steps are due.
 pub(crate) const SHARE: f64 = 0.03;

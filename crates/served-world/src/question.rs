@@ -6,10 +6,10 @@ use page_protocol::{Actor, Control, Fit, Wanted};
 use scene::Standings;
 use tokio::sync::oneshot;
 
-use crate::subscribers::actors::Actors;
+use crate::actors::Actors;
 
-/// A guest's request to the world's thread, and the way of its answer.
-pub(crate) enum Question {
+/// A guest's request to the world, and the way of its answer.
+pub enum Question {
     /// Everything with a pose.
     Actors(oneshot::Sender<Arc<Actors>>),
     /// The number of walls between two points, m.
@@ -26,23 +26,27 @@ pub(crate) enum Question {
 
 /// The state of a server in numbers.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Health {
+pub struct Health {
     /// Simulated time, s.
-    pub(crate) simulated: f64,
+    pub simulated: f64,
     /// Simulated seconds per real second over the last half second.
-    pub(crate) real_time_factor: f64,
+    pub real_time_factor: f64,
     /// The factor that is asked for; 0 is as fast as possible.
-    pub(crate) speed: f64,
-    pub(crate) paused: bool,
-    /// Steps since the server started, and the real time that they took, s.
-    pub(crate) steps: u64,
-    pub(crate) step_seconds: f64,
+    pub speed: f64,
+    /// True while time stands still.
+    pub paused: bool,
+    /// Steps since the server started.
+    pub steps: u64,
+    /// Real time that they took, s.
+    pub step_seconds: f64,
     /// Steps of this world whose contacts did not converge.
-    pub(crate) unsettled_steps: u64,
-    pub(crate) robots: usize,
-    pub(crate) clients: usize,
+    pub unsettled_steps: u64,
+    /// Number of robots.
+    pub robots: usize,
+    /// Number of clients.
+    pub clients: usize,
     /// Periodic lines that were dropped because clients were too slow.
-    pub(crate) dropped_lines: u64,
+    pub dropped_lines: u64,
     /// Number of times that the world started over.
-    pub(crate) resets: u64,
+    pub resets: u64,
 }

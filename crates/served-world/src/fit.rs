@@ -4,7 +4,7 @@ use page_protocol::{Fit, Wanted};
 use sim_core::{FreePlace, World};
 
 /// Checks a robot's pose in the world.
-pub(crate) fn fit(wanted: Wanted, world: &mut World) -> Fit {
+pub fn fit(wanted: Wanted, world: &mut World) -> Fit {
     let Wanted { class, location, yaw } = &wanted;
     let why = match world.fit(class, *location, [0.0, 0.0, *yaw]) {
         None => Some(format!("no class `{class}`")),

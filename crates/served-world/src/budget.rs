@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+
+use web_time::{Duration, Instant};
 
 /// Most lines in a second; the rest are counted.
 const MAX_LINES: u64 = 20;
@@ -14,23 +15,26 @@ const PERIOD: Duration = Duration::from_secs(1);
 
 /// A limit of lines per second.
 #[derive(Default)]
-pub(crate) struct Budget {
+pub struct Budget {
     second: Option<Instant>,
     spent: u64,
 }
 
 /// The answer to a request to log a line.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) enum Spent {
+pub enum Spent {
     /// The line may be logged. `suppressed` lines were refused in the second before.
     Granted {
+        /// Number of lines that were refused.
         suppressed: u64,
     },
+    /// The line may not be logged.
     Refused,
 }
 
 impl Budget {
-    pub(crate) fn spend(&mut self, now: Instant) -> Spent {
+    /// Asks to log a line.
+    pub fn spend(&mut self, now: Instant) -> Spent {
         let mut suppressed = 0;
         if self.is_fresh(now) {
             suppressed = self.spent.saturating_sub(MAX_LINES);
@@ -47,11 +51,11 @@ impl Budget {
 
 /// The budgets of all addresses: a client that leaves and comes again has the same one.
 #[derive(Clone, Default)]
-pub(crate) struct Budgets(Arc<Mutex<BTreeMap<IpAddr, Budget>>>);
+pub struct Budgets(Arc<Mutex<BTreeMap<IpAddr, Budget>>>);
 
 impl Budgets {
     /// Asks to log a line about a client.
-    pub(crate) fn spend(&self, address: IpAddr, now: Instant) -> Spent {
+    pub fn spend(&self, address: IpAddr, now: Instant) -> Spent {
         let mut budgets = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if budgets.len() >= MAX_ADDRESSES && !budgets.contains_key(&address) {
             budgets.retain(|_, budget| !budget.is_fresh(now));
@@ -63,8 +67,8 @@ impl Budgets {
     }
 
     /// True if a line about a client may be logged.
-    pub(crate) fn allow(&self, address: IpAddr) -> bool {
-        self.spend(address, Instant::now()) != Spent::Refused
+    pub fn allow(&self, address: IpAddr, now: Instant) -> bool {
+        self.spend(address, now) != Spent::Refused
     }
 }
 

@@ -1,23 +1,24 @@
-//! One client in the world's thread: its requests, its outbox, its mistakes.
+//! One client of a served world: its requests, its outbox, its mistakes.
 
 use std::collections::VecDeque;
-use std::net::SocketAddr;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use gamebots_proto::{Command, Problem};
 use outbox::Outbox;
-use sessions::{Mistakes, Request, SessionId};
+use sessions::{Answer, Mistakes, Request, SessionId};
+use tokio::sync::oneshot;
 use tracing::warn;
+use web_time::{Duration, Instant};
 
-use crate::access::budget::{Budgets, Spent};
-use crate::world::event::{Opened, Turn};
+use crate::budget::{Budgets, Spent};
+use crate::event::{Opened, Peer, Turn};
 
 /// One client.
 pub(crate) struct Client {
     id: SessionId,
-    address: SocketAddr,
-    outbox: Arc<Outbox>,
+    peer: Peer,
+    /// Lines on their way to it; none for a program.
+    outbox: Option<Arc<Outbox>>,
     dropped: u64,
     /// Limits of what is logged.
     budgets: Budgets,
@@ -25,6 +26,8 @@ pub(crate) struct Client {
     /// Requests that are not executed yet. The turn is given back after the last one.
     requests: std::vec::IntoIter<Request>,
     turn: Option<Turn>,
+    /// Way of the answer to the last of these requests.
+    answer: Option<oneshot::Sender<Answer>>,
     /// INIT lines that put its robots back after a restart.
     put_back: VecDeque<Request>,
     /// The client has left.
@@ -35,16 +38,17 @@ pub(crate) struct Client {
 
 impl Client {
     pub(crate) fn new(opened: Opened, budgets: Budgets) -> Self {
-        let Opened { id, address, outbox, .. } = opened;
+        let Opened { id, peer, outbox, .. } = opened;
         Self {
             id,
-            address,
+            peer,
             outbox,
             dropped: 0,
             budgets,
             mistakes: Mistakes::new(id),
             requests: Vec::new().into_iter(),
             turn: None,
+            answer: None,
             put_back: VecDeque::new(),
             is_closed: false,
             cost: Duration::ZERO,
@@ -52,17 +56,24 @@ impl Client {
     }
 
     /// Takes a segment's requests. The client's turn is held, so no earlier requests are waiting.
-    pub(crate) fn take(&mut self, requests: Vec<Request>, turn: Turn) {
-        (self.requests, self.turn) = (requests.into_iter(), Some(turn));
+    pub(crate) fn take(&mut self, requests: Vec<Request>, answer: Option<oneshot::Sender<Answer>>, turn: Turn) {
+        (self.requests, self.answer, self.turn) = (requests.into_iter(), answer, Some(turn));
     }
 
-    /// Returns the next request to execute; none while the outbox is full because the client does not read.
-    pub(crate) fn next_request(&mut self) -> Option<Request> {
-        let next = if self.outbox.has_room() { self.requests.next() } else { None };
+    /// Returns the next request to execute, and the way of its answer if somebody waits for it; none while the outbox is full because the
+    /// client does not read.
+    pub(crate) fn next_request(&mut self) -> Option<(Request, Option<oneshot::Sender<Answer>>)> {
+        let next = if self.has_room() { self.requests.next() } else { None };
+        let mut answer = None;
         if self.requests.len() == 0 {
-            self.turn = None;
+            (answer, self.turn) = (self.answer.take(), None);
         }
-        next
+        next.map(|request| (request, answer))
+    }
+
+    /// True if more answers may wait for it.
+    fn has_room(&self) -> bool {
+        self.outbox.as_ref().is_none_or(|outbox| outbox.has_room())
     }
 
     /// Adds an INIT line that puts one of its robots back.
@@ -77,7 +88,7 @@ impl Client {
 
     /// True if a request can be executed now.
     pub(crate) fn is_ready(&self) -> bool {
-        !self.put_back.is_empty() || self.requests.len() > 0 && self.outbox.has_room()
+        !self.put_back.is_empty() || self.requests.len() > 0 && self.has_room()
     }
 
     /// True if the next request spawns a robot.
@@ -109,9 +120,9 @@ impl Client {
         self.cost /= 2;
     }
 
-    /// Returns the client's address.
+    /// Returns the client's address or name.
     pub(crate) fn peer(&self) -> String {
-        self.address.to_string()
+        self.peer.to_string()
     }
 
     /// Returns the number of lines received so far.
@@ -124,8 +135,26 @@ impl Client {
         self.dropped
     }
 
-    pub(crate) fn outbox(&self) -> &Outbox {
-        &self.outbox
+    /// Adds a line to its outbox.
+    pub(crate) fn push(&self, line: String, is_periodic: bool) {
+        if let Some(outbox) = &self.outbox {
+            outbox.push(line, is_periodic);
+        }
+    }
+
+    /// Selects if its lines leave one by one or together.
+    pub(crate) fn set_paced(&self, is_paced: bool) {
+        self.outbox.iter().for_each(|outbox| outbox.set_paced(is_paced));
+    }
+
+    /// Closes its outbox. Lines in it are still sent.
+    pub(crate) fn close_outbox(&self) {
+        self.outbox.iter().for_each(|outbox| outbox.close());
+    }
+
+    /// Returns the number of bytes that it has not been sent yet.
+    pub(crate) fn waiting_bytes(&self) -> usize {
+        self.outbox.as_ref().map_or(0, |outbox| outbox.waiting_bytes())
     }
 
     /// Counts a line.
@@ -139,14 +168,14 @@ impl Client {
     }
 
     /// Logs and returns what recurred since the last call: repetitions of logged problems, and dropped periodic lines.
-    pub(crate) fn report(&mut self) -> Vec<String> {
-        let dropped = self.outbox.take_dropped();
+    pub(crate) fn report(&mut self, now: Instant) -> Vec<String> {
+        let dropped = self.outbox.as_ref().map_or(0, |outbox| outbox.take_dropped());
         self.dropped += dropped;
-        if dropped > 0 && self.budgets.allow(self.address.ip()) {
+        if dropped > 0 && self.budgets.allow(self.peer.host(), now) {
             warn!(connection = self.id, dropped, "the client reads too slowly: its oldest sensor lines are dropped");
         }
-        let Self { budgets, address, mistakes, .. } = self;
-        let repeated: Vec<String> = mistakes.repetitions().take_while(|_| budgets.allow(address.ip())).collect();
+        let Self { budgets, peer, mistakes, .. } = self;
+        let repeated: Vec<String> = mistakes.repetitions().take_while(|_| budgets.allow(peer.host(), now)).collect();
         repeated.iter().for_each(|text| warn!("{text}"));
         repeated
     }
@@ -154,7 +183,7 @@ impl Client {
     /// Logs a problem and returns the text, unless it is a repetition or the budget of this second is spent.
     fn warn(&mut self, text: &str, problem: &Problem, now: Instant) -> Option<String> {
         let warning = self.mistakes.warning(text, problem)?;
-        match self.budgets.spend(self.address.ip(), now) {
+        match self.budgets.spend(self.peer.host(), now) {
             Spent::Granted { suppressed: 0 } => {}
             Spent::Granted { suppressed } => {
                 warn!(connection = self.id, suppressed, "further problems were not logged")

@@ -8,7 +8,7 @@ use scene::Pose;
 use sim_core::{Actor, ActorKind, World};
 
 /// Everything with a pose at a time.
-pub(crate) struct Actors {
+pub struct Actors {
     /// Simulated time, s.
     time: f64,
     all: Vec<Actor>,
@@ -18,29 +18,32 @@ pub(crate) struct Actors {
 
 impl Actors {
     /// Returns the simulated time, s.
-    pub(crate) fn time(&self) -> f64 {
+    pub fn time(&self) -> f64 {
         self.time
     }
 
-    pub(crate) fn all(&self) -> &[Actor] {
+    /// Returns all of it.
+    pub fn all(&self) -> &[Actor] {
         &self.all
     }
 
-    pub(crate) fn of(world: &World) -> Self {
+    /// Collects everything with a pose in a world.
+    pub fn of(world: &World) -> Self {
         Self { time: world.time(), all: world.actors(), stands: OnceLock::new() }
     }
 
     /// Returns names and places of the robots, m, each with true if its battery is empty.
-    pub(crate) fn places(&self) -> impl Iterator<Item = (String, ([f64; 3], bool))> {
+    pub fn places(&self) -> impl Iterator<Item = (String, ([f64; 3], bool))> {
         self.robots().map(|robot| (robot.called.clone(), (point_of(&robot.pose), robot.battery_is_empty)))
     }
 
-    pub(crate) fn robots(&self) -> impl Iterator<Item = &Actor> {
+    /// Returns the robots.
+    pub fn robots(&self) -> impl Iterator<Item = &Actor> {
         self.all.iter().filter(|actor| actor.kind == ActorKind::Robot)
     }
 
     /// Returns the answer to GETPOS. Clients that ask in the same step share it.
-    pub(crate) fn stands(&self) -> &str {
+    pub fn stands(&self) -> &str {
         self.stands.get_or_init(|| {
             let robots = self.robots().map(|Actor { called, pose, battery_is_empty, .. }| Stand {
                 name: called,
@@ -53,6 +56,6 @@ impl Actors {
 }
 
 /// Returns the place of a pose, m.
-pub(crate) fn point_of(pose: &Pose) -> [f64; 3] {
+pub fn point_of(pose: &Pose) -> [f64; 3] {
     Vector3::into(pose.translation.vector)
 }

@@ -1,6 +1,6 @@
 //! The pace of simulated time. No clock is read here: the real time is an argument.
 
-use std::time::{Duration, Instant};
+use web_time::{Duration, Instant};
 
 /// Longest lag that is made up for. A longer one is forgiven: the world runs slower and does not catch up in a rush.
 const MAX_LAG: Duration = Duration::from_millis(100);
@@ -12,7 +12,7 @@ const REACHED: f64 = 0.95;
 const WORSE: f64 = 0.1;
 
 /// Decides when the next step is due.
-pub(crate) struct Pace {
+pub struct Pace {
     /// Simulated seconds per real second; 0 is as fast as possible.
     factor: f64,
     start: Instant,
@@ -25,12 +25,13 @@ pub(crate) struct Pace {
 }
 
 impl Pace {
-    pub(crate) fn new(factor: f64, now: Instant, time: f64) -> Self {
+    /// Begins at a real and a simulated time, s.
+    pub fn new(factor: f64, now: Instant, time: f64) -> Self {
         Self { factor, start: now, start_time: time, window: now, window_time: time, said: None }
     }
 
     /// Returns the wait before the step that starts at simulated `time`; zero if it is due.
-    pub(crate) fn wait(&mut self, now: Instant, time: f64) -> Duration {
+    pub fn wait(&mut self, now: Instant, time: f64) -> Duration {
         if self.factor <= 0.0 {
             return Duration::ZERO;
         }
