@@ -33,6 +33,7 @@ mod orders;
 mod perception;
 mod ports;
 mod pressed;
+mod programs;
 mod robots;
 mod robots_together;
 mod rollers;

@@ -10,8 +10,9 @@ use std::time::{Duration, Instant};
 use gamebots_proto::Command;
 use outbox::{Outbox, Taken};
 use page_protocol::{Actor, Control, Status};
-use served_world::{Audience, Ended, Entrance, Event, Inquiry, Kind, Next, Question, ServedWorld, Session, Settings};
-use served_world::{Task, Told};
+use served_world::{
+    Audience, Ended, Entrance, Event, Inquiry, Kind, Next, Question, ServedWorld, Session, Settings, Task, Told,
+};
 use sessions::{Answer, News, Request};
 use sim_core::{TIME_STEP, World};
 use system_tests::world;

@@ -1,0 +1,44 @@
+//! Programs in the server's process: they open sessions without a socket.
+
+use gamebots_proto::Command;
+use gamebots_server::{Ended, Session};
+use sessions::Answer;
+use system_tests::{Server, wait_until};
+
+fn order(program: &Session, line: &str) -> Result<Answer, Ended> {
+    let command = Command::parse(line, &mut Vec::new()).expect("a command");
+    let runtime = tokio::runtime::Builder::new_current_thread().build().expect("a runtime");
+    runtime.block_on(program.order(command))
+}
+
+#[test]
+fn a_program_shares_the_world_with_clients_and_the_log_of_both_replays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.mcap");
+    let server = Server::start("rough", &[], |config| config.log = Some(path.clone()));
+    let program = server.entrance.open_program("autopilot").expect("a world");
+    let robot = order(&program, "INIT {ClassName USARBot.P3AT} {Name R1} {Location 0,0,0}").expect("an answer").spawned;
+    assert!(robot.is_some());
+    let mut peer = server.client();
+    peer.send("INIT {ClassName USARBot.P3AT} {Name R2} {Location 3,0,0}");
+    peer.ground_truth();
+    assert_eq!(order(&program, "DRIVE {Left 2} {Right 2}").expect("an answer"), Answer::default());
+    let refused = order(&program, "INIT {ClassName USARBot.Ghost} {Location 0,3,0}").expect("an answer");
+    assert_eq!((refused.spawned, refused.problems.len()), (None, 1), "{refused:?}");
+    peer.lines_for(1.0);
+    drop(program);
+    peer.send("DRIVE {Left 1} {Right 1}");
+    peer.lines_for(0.5);
+    let left = server.entrance.open_program("another").expect("a world");
+    wait_until(|| {
+        // Its place is free again.
+        let answer = order(&left, "INIT {ClassName USARBot.P3AT} {Name R1} {Location 0,0,0}").expect("an answer");
+        answer.spawned.is_some() && answer.problems.is_empty()
+    });
+    server.stop().expect("a clean end");
+    assert_eq!(order(&left, "DRIVE {Left 1}"), Err(Ended));
+    let log = recorder::read(&path).expect("a log");
+    let left: Vec<_> = log.entries.iter().filter(|entry| matches!(entry.record, recorder::Record::Left(_))).collect();
+    assert!(!left.is_empty());
+    assert!(logbook::replay(&log).expect("a replay").is_same());
+}
