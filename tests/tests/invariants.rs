@@ -26,7 +26,7 @@ pub(crate) fn text(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-const PURE: [&str; 6] = ["articulated", "friction", "gamebots-proto", "kinematics", "scene", "sim-core"];
+const PURE: [&str; 7] = ["articulated", "friction", "gamebots-proto", "goals", "kinematics", "scene", "sim-core"];
 
 /// Runs `cargo tree` with these arguments and prints it as a list.
 fn cargo_tree(arguments: &[&str]) -> String {

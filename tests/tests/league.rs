@@ -4,7 +4,8 @@ use std::path::Path;
 
 use gamebots_proto::Problem;
 use gamebots_server::WorldControl;
-use scene::{League, NamedPose, Standings, Team, VictimRule, WorldDef, Zone};
+use scene::goal::{Explore, Find, Follow, Goal, Push, Reach, Zone};
+use scene::{League, NamedPose, ScoredGoal, Standings, Team, VictimRule, WorldDef};
 use sessions::{News, Request, Sessions};
 use sim_core::{Options, World};
 use system_tests::{Server, wait_until};
@@ -26,19 +27,18 @@ fn scene(league: League) -> WorldDef {
 }
 
 fn rules(teams: Vec<Team>) -> League {
-    let zone = |name: &str, x: f64, hold: f64| Zone {
+    let zone = |name: &str, x: f64, hold: f64| ScoredGoal {
         name: name.to_owned(),
-        position: [x, 0.0, -0.5],
-        size: [1.0, 1.2, 2.0],
         points: 7,
         hold,
+        goal: Goal::Zone(Zone { position: [x, 0.0, -0.5], size: [1.0, 1.2, 2.0] }),
     };
     League {
         name: "test".to_owned(),
         time_limit: 10.0,
         teams,
         victims: Some(VictimRule { points: 20, radius: 1.5, hold: 0.5, touch: -5 }),
-        zones: vec![zone("near", -2.0, 0.0), zone("far", 0.0, 1.0)],
+        goals: vec![zone("near", -2.0, 0.0), zone("far", 0.0, 1.0)],
     }
 }
 
@@ -156,6 +156,117 @@ fn a_zone_counts_once_for_each_team_after_the_time_of_its_stay() {
         round.standings().ranking().iter().map(|(place, team)| (*place, team.points)).collect::<Vec<_>>(),
         [(1, 14), (2, 7)]
     );
+}
+
+/// A red robot drives along the corridor and pushes a crate; a blue one, behind it, stands still.
+#[test]
+fn a_league_scores_goals_of_every_kind_by_the_judge_of_tasks() {
+    let goal = |name: &str, goal: Goal| ScoredGoal { name: name.to_owned(), points: 3, hold: 0.0, goal };
+    let reach = |x: f64| Goal::Reach(Reach { point: Some([x, 0.0]), distance: None, tolerance: 0.3 });
+    let push = |x: f64| {
+        let target = [[x, x], [0.0, 0.0]];
+        Goal::Push(Push { object: Some("crate".to_owned()), target, tolerance: 0.2 })
+    };
+    let follow = |points: &[[f64; 2]]| {
+        Goal::Follow(Follow { points: points.to_vec(), spacing: 0.5, most_beside: 0.3, mirror: false })
+    };
+    let explore = |scanner: &str| {
+        let area = [[-6.0, -5.8], [-0.3, 0.3]];
+        Goal::Explore(Explore { area, cell: 0.1, scanner: scanner.to_owned(), sight: 1.2, part: 0.9 })
+    };
+    let goals = [
+        ("come", reach(-5.0), true),
+        ("stay-away", reach(4.0), false),
+        ("bring", push(-4.4), true),
+        ("overshoot", push(1.0), false),
+        ("lane", follow(&[[1.0, 0.0]]), true),
+        ("turn", follow(&[[1.0, 0.0], [1.0, 2.0]]), false),
+        ("look", explore("lms200"), true),
+        ("no-such-laser", explore("Scanner9"), false),
+        ("see", Goal::Find(Find { victim: "office".to_owned(), radius: 1.5 }), false),
+    ];
+    let teams = vec![team("red", &[start("R1", -6.4, 0.0)]), team("blue", &[start("B1", -7.6, 0.0)])];
+    let mut league = League { goals: Vec::new(), victims: None, ..rules(teams) };
+    league.goals = goals.iter().map(|(name, it, _)| goal(name, it.clone())).collect();
+    let mut def = scene_loader::load("rescue", &[]).expect("a map");
+    let mut object = scene_loader::objects().expect("objects")["WCCrate"].clone();
+    (object.solid.name, object.solid.position) = ("crate".to_owned(), [-5.5, 0.0, -0.25]);
+    def.map.objects.push(object);
+    def.league = Some(league);
+    def.check().expect("a good scene");
+    let mut sessions = Sessions::new(World::new(def, Options::default()));
+    let mut take = |session: u64, line: &str| {
+        if !sessions.is_open(session) {
+            sessions.open_silent(session);
+        }
+        let answer = sessions.take(session, &Request::read(Ok(line.to_owned())), &mut |_, _| {});
+        assert_eq!(answer.problems, [], "{line}");
+    };
+    take(0, "INIT {ClassName P3AT} {Team red}");
+    take(1, "INIT {ClassName P3AT} {Team blue}");
+    take(0, "DRIVE {Left 5} {Right 5}");
+    for _ in 0..1500 {
+        sessions.step(&mut |_, _| {});
+    }
+    let standings = sessions.standings().expect("a league");
+    let names = |team: usize| standings.teams[team].scores.iter().map(|score| score.reason.clone()).collect::<Vec<_>>();
+    let mut scored = names(0);
+    scored.sort();
+    let mut expected: Vec<String> =
+        goals.iter().filter(|(.., is_met)| *is_met).map(|(name, ..)| format!("reached {name}")).collect();
+    expected.sort();
+    assert_eq!(scored, expected);
+    assert_eq!(names(1), [""; 0]);
+}
+
+#[test]
+fn a_goal_that_a_league_cannot_have_is_refused_by_name() {
+    let league = |goal: &str| {
+        let head = "name = \"L\"\nmap = \"rescue\"\n[[team]]\nname = \"red\"\nstarts = [\"RobotStart1\"]\n";
+        format!("{head}[[goal]]\nname = \"it\"\npoints = 1\n{goal}\n")
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("league.toml");
+    for (goal, expected) in [
+        ("reach = { point = [1.0, 2.0], tolerance = 0.3 }", ""),
+        ("reach = { distance = [1.0, 2.0], tolerance = 0.3 }", "in a league nothing is random"),
+        ("reach = { point = [1.0, 2.0], distance = [1.0, 2.0], tolerance = 0.3 }", "either a `point` or a `distance`"),
+        ("reach = { point = [1.0, nan], tolerance = 0.3 }", "reach.point: got NaN"),
+        ("reach = { point = [1.0, 2.0], tolerance = 0.3 }\nzone = {}", "unknown field `zone`"),
+        ("push = { target = [[1.0, 1.0], [2.0, 2.0]], tolerance = 0.2 }", "push: expected an `object` of the map"),
+        ("follow = { points = [], most_beside = 0.3 }", "follow.points: got 0, expected 1 to 1000"),
+        (
+            "explore = { area = [[0.0, 90.0], [0.0, 90.0]], cell = 0.1, scanner = \"lms200\", sight = 5.0 }",
+            "have 810000 cells: expected at most 100000",
+        ),
+        ("find = { victim = \"office\", radius = 0.0 }", "`find.radius` is 0"),
+        ("", "expected one table of reach, follow, push, fetch, explore, find and zone"),
+    ] {
+        std::fs::write(&file, league(goal)).expect("a file");
+        let error = scene_loader::league(&file, None).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(error.contains(expected) && error.is_empty() == expected.is_empty(), "{goal}: {error}");
+    }
+    let mut def = scene_loader::load("rescue", &[]).expect("a map");
+    let mut rules = rules(vec![team("red", &[start("R1", -6.4, 0.0)])]);
+    let missing = Goal::Find(Find { victim: "nobody".to_owned(), radius: 1.0 });
+    rules.goals = vec![ScoredGoal { name: "it".to_owned(), points: 1, hold: 0.0, goal: missing }];
+    def.league = Some(rules);
+    let error = def.check().expect_err("no such victim").to_string();
+    assert!(error.contains("the map rescue has no victim `nobody`"), "{error}");
+}
+
+/// Leagues in logs before goals had zones.
+#[test]
+fn the_zones_of_an_older_log_are_goals() {
+    let old = serde_json::json!({
+        "name": "old", "time_limit": 60.0, "teams": [], "victims": null,
+        "zones": [{ "name": "exit", "position": [1.0, 2.0, 3.0], "size": [1.0, 1.0, 1.0], "points": 5, "hold": 2.0 }],
+    });
+    let league: League = serde_json::from_value(old).expect("a league");
+    let goal = Goal::Zone(Zone { position: [1.0, 2.0, 3.0], size: [1.0; 3] });
+    assert_eq!(league.goals, [ScoredGoal { name: "exit".to_owned(), points: 5, hold: 2.0, goal }]);
+    let again: League = serde_json::from_value(serde_json::to_value(&league).expect("JSON")).expect("a league");
+    assert_eq!(again, league);
 }
 
 /// The victim `office` is 1.3 m from the middle of the corridor, behind its wall.

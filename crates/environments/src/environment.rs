@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use gamebots_proto::command::Init;
+use goals::{Judge, RobotSight, Sight, Verdict, draw};
 use kinematics::Twist;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -11,7 +12,6 @@ use scene::{ObjectId, Options, Pose, Reading, Side};
 use sim_core::{Order, PawnId, Report, World};
 
 use crate::Task;
-use crate::goal::{Goal, Place, RobotSight, Sight, Verdict, draw};
 use crate::task::{ObjectSpec, height};
 
 /// A world in which a task is played, episode by episode.
@@ -21,7 +21,7 @@ pub(crate) struct Environment {
     robots: Vec<PawnId>,
     /// Targets of the joints that actions move, robot by robot.
     targets: Vec<f64>,
-    goal: Box<dyn Goal>,
+    goal: Judge,
     sight: Sight,
     rng: ChaCha8Rng,
     /// Actions since the episode began.
@@ -42,7 +42,7 @@ pub(crate) struct Interval {
 
 impl Environment {
     /// Creates an environment whose first episode has not begun. `goal` is a goal that has not begun.
-    pub(crate) fn new(task: Arc<Task>, goal: Box<dyn Goal>, seed: u64) -> Self {
+    pub(crate) fn new(task: Arc<Task>, goal: Judge, seed: u64) -> Self {
         let world = World::new(task.scene.clone(), task.options(0));
         let rng = ChaCha8Rng::seed_from_u64(seed);
         let (robots, targets, sight) = (Vec::new(), Vec::new(), Sight::default());
@@ -87,7 +87,7 @@ impl Environment {
         (self.age, self.is_over) = (0, false);
         self.sight.robots.clear();
         self.look(&[]);
-        self.goal.reset(&self.sight, &mut self.rng);
+        self.goal.begin(&self.sight, &mut self.rng);
         self.observe(observations);
     }
 
@@ -103,7 +103,7 @@ impl Environment {
         }
         self.age += 1;
         let is_lost = self.look(&reports);
-        let mut verdict = self.goal.judge(&self.sight);
+        let mut verdict = self.goal.judge(&mut self.world, &self.sight);
         verdict.is_over |= is_lost;
         let is_truncated = !verdict.is_over && self.age >= task.horizon;
         self.is_over = verdict.is_over || is_truncated;
@@ -146,13 +146,10 @@ impl Environment {
     fn look(&mut self, reports: &[(PawnId, Report)]) -> bool {
         let (mut is_lost, has_joints) = (false, self.task.file.fetch.is_some());
         for (number, &id) in self.robots.iter().enumerate() {
-            let Some((body, _)) = self.world.state(id) else {
+            let Some(seen) = RobotSight::of(&self.world, id, has_joints) else {
                 is_lost = true;
                 continue;
             };
-            let place = Place::of(&body.pose);
-            let [forward, right] = place.turned([body.linear.x, body.linear.y]);
-            let joints = if has_joints { self.world.joints(id).unwrap_or_default() } else { Vec::new() };
             let scan = reports.iter().rev().find_map(|(pawn, report)| match report {
                 Report::Sensed(sensed) if *pawn == id => match &sensed.reading {
                     Reading::RangeScanner(reading) => Some(reading.ranges.to_vec()),
@@ -160,13 +157,6 @@ impl Environment {
                 },
                 _ => None,
             });
-            let seen = RobotSight {
-                pose: body.pose,
-                place,
-                velocity: [forward, right, body.angular.z],
-                joints,
-                scan: Vec::new(),
-            };
             match self.sight.robots.get_mut(number) {
                 Some(known) => *known = RobotSight { scan: scan.unwrap_or(std::mem::take(&mut known.scan)), ..seen },
                 None => self.sight.robots.push(RobotSight { scan: scan.unwrap_or_default(), ..seen }),

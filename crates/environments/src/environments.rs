@@ -71,7 +71,7 @@ impl Environments {
         }
         let task = Arc::new(task);
         // The task was checked when it was read.
-        let goal = || task.file.goal(&task.robot).ok();
+        let goal = || task.goal().ok();
         let environments = (0..count).filter_map(|number| Some(Environment::new(task.clone(), goal()?, number as u64)));
         Ok(Self { environments: environments.collect(), task, threads })
     }

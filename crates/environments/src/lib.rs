@@ -8,7 +8,6 @@
 
 mod environment;
 mod environments;
-mod goal;
 mod task;
 mod world_batch;
 

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
+use goals::Judge;
 use include_dir::{Dir, include_dir};
-use scene::check::TIME_STEP;
-use scene::{Object, RobotDef, Shape, WorldDef};
+use scene::check::{self, TIME_STEP};
+use scene::goal::{self, Goal};
+use scene::{MapDef, Object, RobotDef, Shape, WorldDef};
 use scene_loader::Override;
 use serde::Deserialize;
 use sim_core::CompiledScene;
-
-use crate::goal::{check_range, explore, fetch, follow, push, reach};
 
 static SHIPPED: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../assets/tasks");
 
@@ -78,15 +78,19 @@ pub(crate) struct TaskFile {
     #[serde(default)]
     pub(crate) object: Option<ObjectSpec>,
     #[serde(default)]
-    pub(crate) reach: Option<reach::Settings>,
+    reach: Option<goal::Reach>,
     #[serde(default)]
-    pub(crate) follow: Option<follow::Settings>,
+    follow: Option<goal::Follow>,
     #[serde(default)]
-    pub(crate) push: Option<push::Settings>,
+    push: Option<goal::Push>,
     #[serde(default)]
-    pub(crate) fetch: Option<fetch::Settings>,
+    pub(crate) fetch: Option<goal::Fetch>,
     #[serde(default)]
-    pub(crate) explore: Option<explore::Settings>,
+    pub(crate) explore: Option<goal::Explore>,
+    #[serde(default)]
+    find: Option<goal::Find>,
+    #[serde(default)]
+    zone: Option<goal::Zone>,
 }
 
 fn one() -> usize {
@@ -186,7 +190,7 @@ impl Task {
             let known = names::listed(def.map.starts.iter().map(|start| start.name.as_str()));
             return Err(error(format!("start.name: unknown start `{name}`: expected one of {known}")));
         }
-        file.goal(&robot).map_err(error)?;
+        file.goal(&robot, &def.map).map_err(error)?;
         let steps = (file.control_interval / file.time_step).round() as u32;
         let horizon = (file.seconds / file.control_interval).round() as u32;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -219,9 +223,14 @@ impl Task {
         base + self.joints.len() + usize::from(!self.fingers.is_empty())
     }
 
+    /// Returns its goal, which has not begun.
+    pub(crate) fn goal(&self) -> Result<Judge, String> {
+        self.file.goal(&self.robot, &self.scene.def().map)
+    }
+
     /// Returns the number of observations of a robot.
     pub fn observations(&self) -> usize {
-        self.file.goal(&self.robot).map_or(0, |goal| goal.width())
+        self.goal().map_or(0, |goal| goal.width())
     }
 }
 
@@ -285,20 +294,33 @@ impl TaskFile {
         Ok((def, class))
     }
 
-    /// Returns a goal that has not begun.
-    pub(crate) fn goal(&self, robot: &RobotDef) -> Result<Box<dyn crate::goal::Goal>, String> {
-        let Self { reach, follow, push, fetch, explore, robots, control_interval: interval, .. } = self;
-        let object = || self.object.as_ref().map(|_| ()).ok_or("expected an [object]".to_owned());
-        Ok(match (reach, follow, push, fetch, explore) {
-            (Some(reach), None, None, None, None) => Box::new(reach::Reach::new(reach.clone(), *robots, *interval)?),
-            (None, Some(follow), None, None, None) => {
-                Box::new(follow::Follow::new(follow.clone(), *robots, *interval)?)
-            }
-            (None, None, Some(push), None, None) => Box::new(push::Push::new(push.clone(), object()?)?),
-            (None, None, None, Some(fetch), None) => Box::new(fetch::Fetch::new(fetch.clone(), object()?, robot)?),
-            (None, None, None, None, Some(explore)) => Box::new(explore::Explore::new(explore.clone(), robot)?),
-            _ => return Err("expected one table of [reach], [follow], [push], [fetch] and [explore]".to_owned()),
-        })
+    /// Returns the goal, which has not begun.
+    fn goal(&self, robot: &RobotDef, map: &MapDef) -> Result<Judge, String> {
+        let Self { reach, follow, push, fetch, explore, find, zone, robots, control_interval: interval, .. } = self;
+        let tables = [
+            reach.clone().map(Goal::Reach),
+            follow.clone().map(Goal::Follow),
+            push.clone().map(Goal::Push),
+            fetch.clone().map(Goal::Fetch),
+            explore.clone().map(Goal::Explore),
+            find.clone().map(Goal::Find),
+            zone.clone().map(Goal::Zone),
+        ];
+        let tables: Vec<Goal> = tables.into_iter().flatten().collect();
+        let [goal] = &tables[..] else {
+            let known = "[reach], [follow], [push], [fetch], [explore], [find] and [zone]";
+            return Err(format!("expected one table of {known}"));
+        };
+        if let Some(problem) = check::goal(goal).into_iter().next() {
+            return Err(problem);
+        }
+        if matches!(goal, Goal::Push(_) | Goal::Fetch(_)) && self.object.is_none() {
+            return Err("expected an [object]".to_owned());
+        }
+        if goal.object().is_some() {
+            return Err("the goal names an `object`: expected none, as it is about the task's own [object]".to_owned());
+        }
+        Judge::new(goal, *robots, *interval, robot, map)
     }
 }
 
@@ -360,4 +382,12 @@ pub(crate) fn height(object: &Object) -> f64 {
         Shape::Ball { radius } => 2.0 * radius,
         _ => 0.0,
     }
+}
+
+/// Checks that a range is ordered and within bounds.
+fn check_range(name: &str, [low, high]: [f64; 2], least: f64, most: f64) -> Result<(), String> {
+    if low >= least && high <= most && low <= high {
+        return Ok(());
+    }
+    Err(format!("{name}: got {low} to {high}, expected a range within {least} to {most}"))
 }

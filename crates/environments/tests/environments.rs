@@ -121,6 +121,29 @@ fn short(count: usize) -> Environments {
     Environments::new(task, count, ThreadPool::one()).expect("environments")
 }
 
+/// Goals of leagues are goals of tasks.
+#[test]
+fn a_zone_and_a_victim_are_goals_for_learning() {
+    let reach = "[reach]\ndistance = [1.0, 1.0]\ntolerance = 0.1";
+    let rescue = |text: String| text.replace("map = \"rough\"", "map = \"rescue\"");
+    for (goal, start, width, is_success) in [
+        ("[zone]\nposition = [0.0, 0.0, 0.0]\nsize = [1.0, 1.0, 2.0]", "[start]", 6, true),
+        ("[zone]\nposition = [3.0, 0.0, 0.0]\nsize = [1.0, 1.0, 2.0]", "[start]", 6, false),
+        ("[find]\nvictim = \"office\"\nradius = 1.5", "[start]\nposition = [[0.3, 0.3], [-2.2, -2.2]]", 7, true),
+        ("[find]\nvictim = \"office\"\nradius = 1.5", "[start]\nposition = [[-0.8, -0.8], [-0.3, -0.3]]", 7, false),
+    ] {
+        let text = rescue(SHORT.replacen(reach, goal, 1).replacen("[start]", start, 1));
+        let task = Task::read(Path::new("short.toml"), &text).expect("a task");
+        assert_eq!(task.observations(), width, "{goal}");
+        let mut all = Environments::new(task, 1, ThreadPool::one()).expect("environments");
+        let mut arrays = Arrays::of(&all);
+        all.reset(Some(&[5]), None, &mut arrays.observations).expect("a reset");
+        all.step(&[0.0; 3], Autoreset::NextStep, arrays.outcomes()).expect("a step");
+        assert_eq!(arrays.successes, [is_success], "{goal} {start}");
+        assert!((arrays.rewards[0] > 0.9) == is_success, "{:?}", arrays.rewards);
+    }
+}
+
 #[test]
 fn an_episode_that_is_cut_off_begins_again_as_the_mode_says() {
     let still = vec![0.0; 3];
@@ -375,7 +398,7 @@ fn a_task_with_a_mistake_is_refused_with_its_place() {
         (
             "[reach]",
             "[push]\ntarget = [[0.0, 1.0], [0.0, 1.0]]\ntolerance = 0.1\n[reach]",
-            "expected one table of [reach]",
+            "expected one table of [reach], [follow], [push], [fetch], [explore], [find] and [zone]",
         ),
         ("[reach]\ndistance = [1.0, 1.0]", "[push]\ntarget = [[0.0, 1.0], [0.0, 1.0]]", "expected an [object]"),
         (
@@ -388,6 +411,12 @@ fn a_task_with_a_mistake_is_refused_with_its_place() {
             "[explore]\narea = [[-900.0, 900.0], [-900.0, 900.0]]\ncell = 0.01\nsight = 5.0\nscanner = \"Hokuyo\"",
             "cells, expected at most 1000000",
         ),
+        (
+            "[reach]\ndistance = [1.0, 1.0]\ntolerance = 0.1",
+            "[find]\nvictim = \"nobody\"\nradius = 1.0",
+            "find.victim: the map rough has no `nobody`",
+        ),
+        ("distance = [1.0, 1.0]", "point = [1.0, 1.0]\ndistance = [1.0, 1.0]", "either a `point` or a `distance`"),
         (
             "[reach]\ndistance = [1.0, 1.0]\ntolerance = 0.1",
             "[follow]\npoints = [[0.0, 0.0]]\nspacing = 0.1\nmost_beside = 0.1",

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use scene::{League, NamedPose, Team, VictimRule, Zone, check};
+use scene::goal::{Goal, Zone};
+use scene::{League, NamedPose, ScoredGoal, Team, VictimRule, check};
 use serde::Deserialize;
 
 use crate::LoadError;
@@ -11,7 +12,7 @@ use crate::problem::Problems;
 use crate::source::Source;
 use crate::{catalogue, map as map_file, shipped};
 
-const KEYS: &str = "name, map, time_limit, control, communication, victims, start, team, zone";
+const KEYS: &str = "name, map, time_limit, control, communication, victims, start, team, zone, goal";
 /// File of a map's league, in its folder.
 const LEAGUE: &str = "league.toml";
 /// Map of a league that names none.
@@ -97,6 +98,18 @@ struct ZoneTable {
     hold: f64,
 }
 
+/// A goal with one table of its kind: `reach = { point = [1, 2], tolerance = 0.3 }`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GoalTable {
+    name: String,
+    points: i32,
+    #[serde(default)]
+    hold: f64,
+    #[serde(flatten)]
+    goal: Option<Goal>,
+}
+
 /// Loads a league from a file, or the league of a built-in map by the map's name. `map` replaces the file's map.
 ///
 /// # Errors
@@ -142,10 +155,11 @@ fn read(
     let mut starts = map_file::read_poses(&mut document, &mut root, "start");
     starts.extend(catalogue::map(&map, &[])?.starts);
     let teams = read_teams(&mut document, &mut root, &starts);
-    let zones = read_zones(&mut document, &mut root);
+    let mut goals = read_zones(&mut document, &mut root);
+    goals.extend(read_goals(&mut document, &mut root));
     document.finish(root, KEYS);
     let Some(name) = name else { return Ok(None) };
-    let league = League { name, time_limit, teams, victims, zones };
+    let league = League { name, time_limit, teams, victims, goals };
     document.as_a_whole(|| check::league(&league));
     Ok(Some(LeagueFile { league, map, control, communication }))
 }
@@ -168,12 +182,27 @@ fn read_teams<'a>(document: &mut Document<'a>, root: &mut Table<'a>, known: &[Na
     tables.into_iter().map(team).collect()
 }
 
-fn read_zones<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Vec<Zone> {
+fn read_zones<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Vec<ScoredGoal> {
     let tables = document.list(root, "zone");
     let zone = |(span, ZoneTable { name, position, size, points, hold })| {
-        let zone = Zone { name, position, size, points, hold };
-        document.wrong(&span, check::zone(&zone));
+        let zone = ScoredGoal { name, points, hold, goal: Goal::Zone(Zone { position, size }) };
+        document.wrong(&span, check::scored_goal(&zone));
         zone
     };
     tables.into_iter().map(zone).collect()
+}
+
+fn read_goals<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Vec<ScoredGoal> {
+    let tables = document.list(root, "goal");
+    let goal = |(span, GoalTable { name, points, hold, goal })| {
+        let Some(goal) = goal else {
+            let expected = "expected one table of reach, follow, push, fetch, explore, find and zone".to_owned();
+            document.wrong(&span, vec![expected]);
+            return None;
+        };
+        let goal = ScoredGoal { name, points, hold, goal };
+        document.wrong(&span, check::scored_goal(&goal));
+        Some(goal)
+    };
+    tables.into_iter().filter_map(goal).collect()
 }

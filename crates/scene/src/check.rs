@@ -5,6 +5,7 @@
 //! from the ranges and their ends, in every drive model. They stood on a plane of any friction and gravity; none lost a finite
 //! state.
 
+mod goal;
 mod league;
 mod limits;
 mod map;
@@ -14,7 +15,8 @@ mod shape;
 use std::fmt;
 
 use crate::WorldDef;
-pub use league::{league, team, victim_rule, zone};
+pub use goal::goal;
+pub use league::{league, scored_goal, team, victim_rule};
 pub use limits::*;
 pub use map::{conveyor, map, map_solid, material, named_pose, object, smoke, sound, spawned_object, tag, victim};
 pub use robot::{
@@ -100,7 +102,7 @@ impl WorldDef {
         first("the scene", count("classes of robots", self.robots.len(), MAX_ROBOTS))?;
         map::check_map(&self.map)?;
         map::check_classes(&self.objects)?;
-        self.league.iter().try_for_each(|league| league::check_league(league, &self.robots))?;
+        self.league.iter().try_for_each(|league| league::check_league(league, &self.map, &self.robots))?;
         // Those that are read later are checked by their readers.
         self.robots.read().try_for_each(|(_, robot)| robot::check_robot(robot))
     }

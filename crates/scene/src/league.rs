@@ -5,9 +5,12 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::NamedPose;
+use crate::goal::Goal;
+use crate::stored;
 
 /// Definition of a league: the rules of one round.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(from = "stored::League")]
 pub struct League {
     /// Name, for people.
     pub name: String,
@@ -17,8 +20,8 @@ pub struct League {
     pub teams: Vec<Team>,
     /// Rule for the map's victims; without it they do not count.
     pub victims: Option<VictimRule>,
-    /// Zones to be reached.
-    pub zones: Vec<Zone>,
+    /// Goals beside the victims.
+    pub goals: Vec<ScoredGoal>,
 }
 
 /// A team.
@@ -45,32 +48,23 @@ pub struct VictimRule {
     pub touch: i32,
 }
 
-/// An upright box that brings points to each team, once, when the frame of one of its robots stays inside.
+/// A goal that brings points to each team, once, when one of its robots reaches it and stays.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Zone {
+pub struct ScoredGoal {
     /// Name without white space or braces.
     pub name: String,
-    /// Middle, m.
-    pub position: [f64; 3],
-    /// Edge lengths along the axes of the world, m.
-    pub size: [f64; 3],
     /// Points.
     pub points: i32,
     /// Time for which the robot has to stay, s.
     pub hold: f64,
+    /// The goal.
+    pub goal: Goal,
 }
 
 impl League {
     /// Finds a team by its name, in any case.
     pub fn team(&self, name: &str) -> Option<usize> {
         self.teams.iter().position(|team| team.name.eq_ignore_ascii_case(name))
-    }
-}
-
-impl Zone {
-    /// True if a point of the world, m, is inside.
-    pub fn contains(&self, point: [f64; 3]) -> bool {
-        (0..3).all(|axis| (point[axis] - self.position[axis]).abs() <= self.size[axis] / 2.0)
     }
 }
 

@@ -1,12 +1,13 @@
-//! Formats of robots in logs.
+//! Formats of robots and leagues in logs.
 //!
-//! In older logs a robot is not a tree of links but a body of parts and solids with wheels.
+//! In older logs a robot is not a tree of links but a body of parts and solids with wheels, and a league has zones.
 
 use serde::Deserialize;
 
+use crate::goal::{Goal, Zone};
 use crate::{
     Actuator, Aerial, Battery, DriveModel, Footing, Gripper, Link, Material, Motor, Part, ROOT, RobotDef, Rollers,
-    SensorDef, Side, Solid, Steering, ToolChanger, Vacuum, Wheel,
+    ScoredGoal, SensorDef, Side, Solid, Steering, Team, ToolChanger, Vacuum, VictimRule, Wheel,
 };
 
 #[derive(Deserialize)]
@@ -93,5 +94,39 @@ impl From<Robot> for RobotDef {
             footing: stored.footing.unwrap_or_else(|| Footing::of(stored.steering, stored.aerial)),
             assumptions: stored.assumptions,
         }
+    }
+}
+
+#[derive(Deserialize)]
+pub(crate) struct League {
+    name: String,
+    time_limit: f64,
+    teams: Vec<Team>,
+    victims: Option<VictimRule>,
+    #[serde(default)]
+    zones: Vec<OldZone>,
+    #[serde(default)]
+    goals: Vec<ScoredGoal>,
+}
+
+#[derive(Deserialize)]
+struct OldZone {
+    name: String,
+    position: [f64; 3],
+    size: [f64; 3],
+    points: i32,
+    hold: f64,
+}
+
+impl From<League> for crate::League {
+    fn from(League { name, time_limit, teams, victims, zones, mut goals }: League) -> Self {
+        let zone = |OldZone { name, position, size, points, hold }| ScoredGoal {
+            name,
+            points,
+            hold,
+            goal: Goal::Zone(Zone { position, size }),
+        };
+        goals.extend(zones.into_iter().map(zone));
+        Self { name, time_limit, teams, victims, goals }
     }
 }

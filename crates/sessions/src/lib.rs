@@ -312,14 +312,22 @@ impl Sessions {
         };
         let executed = world.execute(pawn, &Command::Init(init.clone()), problems);
         if let Some(pawn) = executed.spawned {
-            round.enter(pawn, place, &init, world.time());
+            round.enter(pawn, place, &init, world);
         }
         executed
     }
 
     /// Advances the world by one step.
     pub fn step(&mut self, hear: Listener) {
-        let mut reports = self.world.step().into_iter().peekable();
+        let reports = self.world.step();
+        if let Some(round) = &mut self.round {
+            for (_, report) in &reports {
+                if let Report::Sensed(sensed) = report {
+                    round.see(sensed, &self.world);
+                }
+            }
+        }
+        let mut reports = reports.into_iter().peekable();
         while let Some(&(pawn, _)) = reports.peek() {
             let own = std::iter::from_fn(|| reports.next_if(|(next, _)| *next == pawn));
             let own: Vec<Report> = own.map(|(_, report)| report).collect();
@@ -434,5 +442,6 @@ impl Sessions {
 
 /// Returns a new round of a world's league, if it has one.
 fn round_of(world: &World) -> Option<Round> {
-    world.def().league.as_ref().map(Round::new)
+    let def = world.def();
+    def.league.as_ref().map(|league| Round::new(league, &def.map))
 }

@@ -5,8 +5,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use gamebots_proto::command::Init;
 use gamebots_proto::{Problem, shown};
+use goals::{Judge, RobotSight, Sight, distance};
 use names::listed;
-use scene::{Entrant, League, PawnId, Score, Standing, Standings, Team};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use scene::goal::{Find, Goal};
+use scene::{Entrant, League, MapDef, ObjectId, PawnId, Pose, Score, ScoredGoal, Sensed, Standing, Standings, Team};
 use sim_core::World;
 
 /// Simulated time between two looks for victims and zones, s.
@@ -26,8 +30,10 @@ pub(super) struct Round {
     /// Simulated time of the next look, s.
     next_look: f64,
     players: BTreeMap<PawnId, Player>,
-    /// Goals that teams have reached.
-    reached: BTreeSet<(usize, Goal)>,
+    /// Goals: the victims of the map, then those of the league.
+    goals: Vec<ScoredGoal>,
+    /// Teams, and the numbers of the goals that they have reached.
+    reached: BTreeSet<(usize, usize)>,
     /// The state of each team, in the order of the league.
     teams: Vec<Standing>,
 }
@@ -44,26 +50,24 @@ pub(super) struct Admission {
 #[derive(Clone)]
 struct Player {
     place: Admission,
-    /// Goals at which it is, each with the simulated time of its arrival, s.
-    since: BTreeMap<Goal, f64>,
+    /// The judge of each goal; none if the robot lacks what the goal needs.
+    judges: Vec<Option<Judge>>,
+    /// Numbers of the goals at which it is, each with the simulated time of its arrival, s.
+    since: BTreeMap<usize, f64>,
     touched: BTreeSet<usize>,
-}
-
-/// A victim of the map or a zone of the league, by its index.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Goal {
-    Victim(usize),
-    Zone(usize),
+    /// The last scan of each laser that a goal names, by the number of the goal, m.
+    scans: BTreeMap<usize, Vec<f64>>,
 }
 
 impl Round {
-    pub(super) fn new(league: &League) -> Self {
+    pub(super) fn new(league: &League, map: &MapDef) -> Self {
         let team = |team: &Team| Standing { team: team.name.clone(), ..Standing::default() };
         Self {
             began: None,
             is_over: false,
             next_look: 0.0,
             players: BTreeMap::new(),
+            goals: goals_of(league, map),
             reached: BTreeSet::new(),
             teams: league.teams.iter().map(team).collect(),
             league: league.clone(),
@@ -115,12 +119,41 @@ impl Round {
     }
 
     /// Enters a robot that came into the world.
-    pub(super) fn enter(&mut self, pawn: PawnId, place: Admission, init: &Init, time: f64) {
-        self.began.get_or_insert(time);
-        self.players.insert(pawn, Player { place, since: BTreeMap::new(), touched: BTreeSet::new() });
+    pub(super) fn enter(&mut self, pawn: PawnId, place: Admission, init: &Init, world: &World) {
+        self.began.get_or_insert(world.time());
+        let Some(class) = world.robot(pawn) else { return };
+        let map = &world.def().map;
+        let victims = self.league.victims.map_or(0, |_| map.victims.len());
+        let judge = |(number, goal): (usize, &ScoredGoal)| match &goal.goal {
+            Goal::Find(find) if number < victims => Some(Judge::of_victim(number, find.radius, 1, map)),
+            goal => Judge::new(goal, 1, LOOK_INTERVAL, class, map).ok(),
+        };
+        let mut judges: Vec<Option<Judge>> = self.goals.iter().enumerate().map(judge).collect();
+        // In a league nothing is random.
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        for (judge, goal) in judges.iter_mut().zip(&self.goals) {
+            let seen = RobotSight::of(world, pawn, has_joints(&goal.goal));
+            let sight = Sight { robots: seen.into_iter().collect(), object: object_of(&goal.goal, world) };
+            judge.iter_mut().for_each(|judge| judge.begin(&sight, &mut rng));
+        }
+        let (since, touched, scans) = Default::default();
+        self.players.insert(pawn, Player { place, judges, since, touched, scans });
         let robots = &mut self.teams[place.team].robots;
         if robots.len() < MAX_ENTRANTS {
             robots.push(Entrant { robot: pawn.0, class: init.class().to_owned(), name: init.name.clone() });
+        }
+    }
+
+    /// Sees what a sensor measured: goals about areas need scans.
+    pub(super) fn see(&mut self, sensed: &Sensed, world: &World) {
+        let Self { players, goals, .. } = self;
+        let Some(player) = players.get_mut(&sensed.robot) else { return };
+        let sensor = world.robot(sensed.robot).and_then(|robot| robot.sensors.get(sensed.sensor));
+        let Some((sensor, ranges)) = sensor.zip(sensed.reading.ranges()) else { return };
+        for (number, goal) in goals.iter().enumerate() {
+            if goal.goal.scanner().is_some_and(|scanner| scanner.eq_ignore_ascii_case(&sensor.name)) {
+                player.scans.insert(number, ranges.to_vec());
+            }
         }
     }
 
@@ -153,24 +186,27 @@ impl Round {
 
     fn look(&mut self, world: &mut World, scores: &mut Vec<Score>) {
         let time = world.time();
-        let victims = if self.league.victims.is_some() { world.def().map.victims.len() } else { 0 };
-        let goals: Vec<Goal> =
-            (0..victims).map(Goal::Victim).chain((0..self.league.zones.len()).map(Goal::Zone)).collect();
-        let Self { league, players, reached, teams, .. } = self;
-        for (&robot, Player { place, since, .. }) in players {
-            for &goal in &goals {
-                if reached.contains(&(place.team, goal)) {
+        let Self { players, goals, reached, teams, .. } = self;
+        let places: Vec<(PawnId, [f64; 2])> =
+            players.keys().filter_map(|&it| Some((it, point_of(world, it)?))).collect();
+        for (&robot, Player { place, judges, since, scans, .. }) in players {
+            for (number, (goal, judge)) in goals.iter().zip(judges).enumerate() {
+                let Some(judge) = judge.as_mut().filter(|_| !reached.contains(&(place.team, number))) else { continue };
+                let Some(mut seen) = RobotSight::of(world, robot, has_joints(&goal.goal)) else { continue };
+                seen.scan = scans.get(&number).cloned().unwrap_or_default();
+                let object = object_of(&goal.goal, world);
+                // The robot that is nearest to an object has brought it.
+                let nearest = object.as_ref().and_then(|object| nearest(&places, object));
+                let is_its = nearest.is_none_or(|nearest| nearest == robot);
+                let verdict = judge.judge(world, &Sight { robots: vec![seen], object });
+                if !verdict.is_success || !is_its {
+                    since.remove(&number);
                     continue;
                 }
-                if !is_at(world, league, robot, goal) {
-                    since.remove(&goal);
-                    continue;
-                }
-                let stayed = time - *since.entry(goal).or_insert(time);
-                let (points, hold, reason) = worth(league, world, goal);
-                if stayed >= hold - SAME_TIME {
-                    reached.insert((place.team, goal));
-                    scores.extend(count(&mut teams[place.team], world, robot, reason, points));
+                let stayed = time - *since.entry(number).or_insert(time);
+                if stayed >= goal.hold - SAME_TIME {
+                    reached.insert((place.team, number));
+                    scores.extend(count(&mut teams[place.team], world, robot, reason(goal), goal.points));
                 }
             }
         }
@@ -190,32 +226,46 @@ impl Round {
     }
 }
 
-/// True if a robot is at a goal.
-fn is_at(world: &mut World, league: &League, robot: PawnId, goal: Goal) -> bool {
-    let Some(position) = world.position(robot) else { return false };
-    match goal {
-        Goal::Zone(zone) => league.zones[zone].contains(position),
-        Goal::Victim(victim) => {
-            let pelvis = world.def().map.victims[victim].position;
-            let way = [0, 1, 2].map(|axis| position[axis] - pelvis[axis]);
-            let distance = way.iter().map(|it| it * it).sum::<f64>().sqrt();
-            league.victims.is_some_and(|rule| distance <= rule.radius) && world.sees(robot, victim)
-        }
-    }
+/// Lists the goals of a league on a map: its victims, if they count, and the league's own.
+fn goals_of(league: &League, map: &MapDef) -> Vec<ScoredGoal> {
+    let victims = league.victims.iter().flat_map(|rule| {
+        map.victims.iter().map(|victim| ScoredGoal {
+            name: victim.name.clone(),
+            points: rule.points,
+            hold: rule.hold,
+            goal: Goal::Find(Find { victim: victim.name.clone(), radius: rule.radius }),
+        })
+    });
+    victims.chain(league.goals.iter().cloned()).collect()
 }
 
-/// Returns the points of a goal, the time that a robot has to stay there, s, and the reason for the points.
-fn worth(league: &League, world: &World, goal: Goal) -> (i32, f64, String) {
-    match goal {
-        Goal::Zone(zone) => {
-            let zone = &league.zones[zone];
-            (zone.points, zone.hold, format!("reached {}", zone.name))
-        }
-        Goal::Victim(victim) => {
-            let (points, hold) = league.victims.map_or((0, 0.0), |rule| (rule.points, rule.hold));
-            (points, hold, format!("found {}", world.def().map.victims[victim].name))
-        }
-    }
+/// Returns the reason for the points of a goal.
+fn reason(goal: &ScoredGoal) -> String {
+    let done = if let Goal::Find(_) = goal.goal { "found" } else { "reached" };
+    format!("{done} {}", goal.name)
+}
+
+fn has_joints(goal: &Goal) -> bool {
+    matches!(goal, Goal::Fetch(_))
+}
+
+/// Returns the pose of the object that a goal is about, if it is about one.
+fn object_of(goal: &Goal, world: &World) -> Option<Pose> {
+    let name = goal.object()?;
+    let objects = &world.def().map.objects;
+    let number = objects.iter().position(|object| object.solid.name.eq_ignore_ascii_case(name))?;
+    world.object(ObjectId(number as u64))
+}
+
+fn point_of(world: &World, robot: PawnId) -> Option<[f64; 2]> {
+    world.position(robot).map(|[x, y, _]| [x, y])
+}
+
+/// Returns the robot that is nearest to an object.
+fn nearest(robots: &[(PawnId, [f64; 2])], object: &Pose) -> Option<PawnId> {
+    let at = object.translation.vector.xy().into();
+    let nearest = robots.iter().min_by(|(_, a), (_, b)| distance(*a, at).total_cmp(&distance(*b, at)));
+    nearest.map(|(robot, _)| *robot)
 }
 
 /// Adds points to a team.

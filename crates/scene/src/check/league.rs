@@ -2,11 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use super::limits::{LEAGUE_TIME, MAP_REACH, MAP_SIZE, MAX_ROBOTS, MAX_STARTS, MAX_TEAMS, MAX_ZONES, POINTS, SIGHT};
-use super::{SceneProblem, count, first, name, named_pose, shown, wire_name};
-use crate::{Classes, League, NamedPose, Team, VictimRule, Zone};
+use super::limits::{
+    LEAGUE_TIME, MAX_GOALS, MAX_LEAGUE_CELLS, MAX_LEAGUE_SIGHT, MAX_ROBOTS, MAX_STARTS, MAX_TEAMS, POINTS, SIGHT,
+};
+use super::{SceneProblem, count, first, goal, name, named_pose, shown, wire_name};
+use crate::goal::{Find, Goal, Reach};
+use crate::{Classes, League, MapDef, NamedPose, ScoredGoal, Team, VictimRule};
 
-pub(super) fn check_league(def: &League, robots: &Classes) -> Result<(), SceneProblem> {
+pub(super) fn check_league(def: &League, map: &MapDef, robots: &Classes) -> Result<(), SceneProblem> {
     first("the league", league(def))?;
     for it in &def.teams {
         let starts = it.starts.iter().flat_map(named_pose);
@@ -15,10 +18,13 @@ pub(super) fn check_league(def: &League, robots: &Classes) -> Result<(), ScenePr
         first(&format!("the league, team {}", shown(&it.name)), team(it).into_iter().chain(starts).chain(unknown))?;
     }
     first("the league, victims", def.victims.iter().flat_map(victim_rule))?;
-    def.zones.iter().try_for_each(|it| first(&format!("the league, zone {}", shown(&it.name)), zone(it)))
+    def.goals.iter().try_for_each(|it| {
+        let wrong = scored_goal(it).into_iter().chain(is_on_map(&it.goal, map));
+        first(&format!("the league, goal {}", shown(&it.name)), wrong)
+    })
 }
 
-/// Lists the problems of a league; its teams, rules and zones have their own checks.
+/// Lists the problems of a league; its teams, rules and goals have their own checks.
 pub fn league(def: &League) -> Vec<String> {
     let mut wrong = name("name", &def.name);
     wrong.extend(LEAGUE_TIME.problem("time_limit", def.time_limit));
@@ -26,15 +32,23 @@ pub fn league(def: &League) -> Vec<String> {
         wrong.push("no [[team]]: expected at least one".to_owned());
     }
     wrong.extend(count("teams", def.teams.len(), MAX_TEAMS));
-    wrong.extend(count("zones", def.zones.len(), MAX_ZONES));
+    wrong.extend(count("goals", def.goals.len(), MAX_GOALS));
     let is_twice = |number: usize, name: &str| def.team(name) != Some(number);
     let twice = def.teams.iter().enumerate().find(|(number, team)| is_twice(*number, &team.name));
     wrong.extend(
         twice.map(|(_, team)| format!("two teams are called `{}`: expected different names", shown(&team.name))),
     );
-    let names: BTreeSet<_> = def.zones.iter().map(|zone| &zone.name).collect();
-    if names.len() < def.zones.len() {
-        wrong.push("two zones have the same name: expected different names".to_owned());
+    let names: BTreeSet<_> = def.goals.iter().map(|goal| &goal.name).collect();
+    if names.len() < def.goals.len() {
+        wrong.push("two goals or zones have the same name: expected different names".to_owned());
+    }
+    let cells = |it: &ScoredGoal| match &it.goal {
+        Goal::Explore(explore) => explore.cells().iter().product::<usize>() as f64,
+        _ => 0.0,
+    };
+    let cells: f64 = def.goals.iter().map(cells).sum();
+    if cells > MAX_LEAGUE_CELLS {
+        wrong.push(format!("the areas to explore have {cells} cells: expected at most {MAX_LEAGUE_CELLS}"));
     }
     wrong
 }
@@ -62,12 +76,44 @@ pub fn victim_rule(def: &VictimRule) -> Vec<String> {
     wrong
 }
 
-/// Lists the problems of a zone.
-pub fn zone(def: &Zone) -> Vec<String> {
+/// Lists the problems of a goal that brings points.
+pub fn scored_goal(def: &ScoredGoal) -> Vec<String> {
     let mut wrong = wire_name("name", &def.name);
-    wrong.extend(MAP_REACH.problem_in("position", &def.position));
-    wrong.extend(MAP_SIZE.problem_in("size", &def.size));
+    wrong.extend(goal(&def.goal));
     wrong.extend(LEAGUE_TIME.problem("hold", def.hold).filter(|_| def.hold != 0.0));
     wrong.extend(POINTS.problem("points", f64::from(def.points)));
+    match &def.goal {
+        Goal::Reach(Reach { point: None, .. }) => {
+            wrong.push("reach: expected a `point`: in a league nothing is random".to_owned())
+        }
+        Goal::Push(push) if push.object.is_none() => wrong.push("push: expected an `object` of the map".to_owned()),
+        Goal::Fetch(fetch) if fetch.object.is_none() => wrong.push("fetch: expected an `object` of the map".to_owned()),
+        Goal::Explore(explore) if explore.sight > MAX_LEAGUE_SIGHT * explore.cell => {
+            wrong.push(format!("explore.sight: got {}, expected at most {MAX_LEAGUE_SIGHT} cells", explore.sight));
+        }
+        Goal::Reach(_)
+        | Goal::Follow(_)
+        | Goal::Push(_)
+        | Goal::Fetch(_)
+        | Goal::Explore(_)
+        | Goal::Find(_)
+        | Goal::Zone(_) => {}
+    }
     wrong
+}
+
+/// Describes what a goal names and the map does not have.
+fn is_on_map(goal: &Goal, map: &MapDef) -> Option<String> {
+    let is_it = |name: &str, other: &str| name.eq_ignore_ascii_case(other);
+    if let Some(name) = goal.object()
+        && !map.objects.iter().any(|object| is_it(name, &object.solid.name))
+    {
+        return Some(format!("the map {} has no object `{}`", map.name, shown(name)));
+    }
+    match goal {
+        Goal::Find(Find { victim, .. }) if !map.victims.iter().any(|it| is_it(victim, &it.name)) => {
+            Some(format!("the map {} has no victim `{}`", map.name, shown(victim)))
+        }
+        _ => None,
+    }
 }

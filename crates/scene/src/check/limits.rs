@@ -178,5 +178,21 @@ pub const POINTS: Range = Range { least: -1e6, most: 1e6, unit: "" };
 pub const MAX_TEAMS: usize = 16;
 /// Most start poses of a team.
 pub const MAX_STARTS: usize = 16;
-/// Most zones of a league.
-pub const MAX_ZONES: usize = 256;
+/// Most goals of a league.
+pub const MAX_GOALS: usize = 256;
+/// Coordinates of goals.
+pub const GOAL_REACH: Range = Range { least: -1000.0, most: 1000.0, unit: " m" };
+/// Distance at which a goal is reached.
+pub const TOLERANCE: Range = Range { least: 1e-3, most: 100.0, unit: " m" };
+/// Distance beside a path, and between the points of it that a robot observes.
+pub const PATH_WIDTH: Range = Range { least: 0.01, most: 100.0, unit: " m" };
+/// Edge of a cell of an explored area.
+pub const CELL: Range = Range { least: 0.01, most: 10.0, unit: " m" };
+/// Most points of a path.
+pub const MAX_PATH_POINTS: usize = 1000;
+/// Most cells of an explored area.
+pub const MAX_CELLS: f64 = 1e6;
+/// Most cells of all explored areas of a league: each robot remembers what it has seen.
+pub const MAX_LEAGUE_CELLS: f64 = 1e5;
+/// Longest sight of an explored area of a league, in cells: a beam is looked at in steps of half a cell.
+pub const MAX_LEAGUE_SIGHT: f64 = 1000.0;

@@ -7,28 +7,20 @@
 
 use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
-use scene::{RobotDef, Shape};
-use serde::Deserialize;
+use scene::{RobotDef, Shape, goal};
 
-use super::{Goal, Place, RobotSight, Sight, Verdict, check_range, distance, draw};
+use sim_core::World;
+
+use crate::rules::{Rules, Verdict};
+use crate::sight::{Place, RobotSight, Sight, distance, draw};
 
 /// Reward of the arrival.
 const ARRIVAL: f64 = 1.0;
 
-/// Settings of the goal.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Settings {
-    /// Least and most of x and y of the point, m.
-    target: [[f64; 2]; 2],
-    /// Distance at which the object is there, m, in the plane.
-    tolerance: f64,
-    /// Name of the gripper.
-    gripper: String,
-}
-
+/// The goal as it is played.
+#[derive(Clone)]
 pub(crate) struct Fetch {
-    settings: Settings,
+    settings: goal::Fetch,
     robot: RobotDef,
     /// Links of the fingers.
     fingers: Vec<usize>,
@@ -40,10 +32,7 @@ pub(crate) struct Fetch {
 }
 
 impl Fetch {
-    /// Creates the goal; `_object` shows that the task has one.
-    pub(crate) fn new(settings: Settings, _object: (), robot: &RobotDef) -> Result<Self, String> {
-        settings.target.into_iter().try_for_each(|range| check_range("fetch.target", range, -1000.0, 1000.0))?;
-        check_range("fetch.tolerance", [settings.tolerance; 2], 1e-3, 100.0)?;
+    pub(crate) fn new(settings: goal::Fetch, robot: &RobotDef) -> Result<Self, String> {
         let gripper = robot.grippers.iter().find(|gripper| gripper.name.eq_ignore_ascii_case(&settings.gripper));
         let Some(gripper) = gripper else {
             return Err(format!("fetch.gripper: {} has no gripper `{}`", robot.class, settings.gripper));
@@ -75,12 +64,12 @@ impl Fetch {
     }
 }
 
-impl Goal for Fetch {
+impl Rules for Fetch {
     fn width(&self) -> usize {
         3 + 3 + 2 + 3 + self.joints.len() + 2
     }
 
-    fn reset(&mut self, sight: &Sight, rng: &mut ChaCha8Rng) {
+    fn begin(&mut self, sight: &Sight, rng: &mut ChaCha8Rng) {
         self.target = self.settings.target.map(|range| draw(rng, range));
         self.progress = self.progress(sight);
     }
@@ -95,7 +84,7 @@ impl Goal for Fetch {
         heading.into_iter().for_each(push);
     }
 
-    fn judge(&mut self, sight: &Sight) -> Verdict {
+    fn judge(&mut self, _: &mut World, sight: &Sight) -> Verdict {
         let [near, height, far] = self.progress(sight);
         let [near_before, height_before, far_before] = std::mem::replace(&mut self.progress, [near, height, far]);
         let is_success = far <= self.settings.tolerance;

@@ -5,38 +5,30 @@
 //! nearer to the object, and 1 when the object is there.
 
 use rand_chacha::ChaCha8Rng;
-use serde::Deserialize;
+use scene::goal;
 
-use super::{Goal, Place, Sight, Verdict, check_range, distance, draw};
+use sim_core::World;
+
+use crate::rules::{Rules, Verdict};
+use crate::sight::{Place, Sight, distance, draw};
 
 /// Reward for coming nearer to the object, of that for the object's coming nearer to the point.
 const APPROACH: f64 = 0.1;
 /// Reward of the arrival.
 const ARRIVAL: f64 = 1.0;
 
-/// Settings of the goal.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Settings {
-    /// Least and most of x and y of the point, m.
-    target: [[f64; 2]; 2],
-    /// Distance at which the object is there, m.
-    tolerance: f64,
-}
-
+/// The goal as it is played.
+#[derive(Clone)]
 pub(crate) struct Push {
-    settings: Settings,
+    settings: goal::Push,
     target: [f64; 2],
     /// Distances of the object from the point, and of the robots from the object, m.
     distances: [f64; 2],
 }
 
 impl Push {
-    /// Creates the goal; `_object` shows that the task has one.
-    pub(crate) fn new(settings: Settings, _object: ()) -> Result<Self, String> {
-        settings.target.into_iter().try_for_each(|range| check_range("push.target", range, -1000.0, 1000.0))?;
-        check_range("push.tolerance", [settings.tolerance; 2], 1e-3, 100.0)?;
-        Ok(Self { settings, target: [0.0; 2], distances: [0.0; 2] })
+    pub(crate) fn new(settings: goal::Push) -> Self {
+        Self { settings, target: [0.0; 2], distances: [0.0; 2] }
     }
 
     fn distances(&self, sight: &Sight) -> [f64; 2] {
@@ -51,12 +43,12 @@ fn object(sight: &Sight) -> Place {
     sight.object.as_ref().map_or_else(Place::default, Place::of)
 }
 
-impl Goal for Push {
+impl Rules for Push {
     fn width(&self) -> usize {
         9
     }
 
-    fn reset(&mut self, sight: &Sight, rng: &mut ChaCha8Rng) {
+    fn begin(&mut self, sight: &Sight, rng: &mut ChaCha8Rng) {
         self.target = self.settings.target.map(|range| draw(rng, range));
         self.distances = self.distances(sight);
     }
@@ -68,7 +60,7 @@ impl Goal for Push {
         places.into_iter().flatten().chain(seen.velocity).for_each(push);
     }
 
-    fn judge(&mut self, sight: &Sight) -> Verdict {
+    fn judge(&mut self, _: &mut World, sight: &Sight) -> Verdict {
         let now = self.distances(sight);
         let [pushed, approached] = [0, 1].map(|which| self.distances[which] - now[which]);
         self.distances = now;

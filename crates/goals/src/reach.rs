@@ -4,27 +4,22 @@
 //! second, and 1 when it arrives.
 
 use rand_chacha::ChaCha8Rng;
-use serde::Deserialize;
+use scene::goal;
 
-use super::{Goal, Sight, Verdict, check_range, distance, draw};
+use sim_core::World;
+
+use crate::rules::{Rules, Verdict};
+use crate::sight::{Sight, distance, draw};
 
 /// Penalty of time, 1/s.
 const HASTE: f64 = 0.2;
 /// Reward of the arrival.
 const ARRIVAL: f64 = 1.0;
 
-/// Settings of the goal.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Settings {
-    /// Least and most distance of the point from the robot at the start, m.
-    distance: [f64; 2],
-    /// Distance at which a robot has arrived, m.
-    tolerance: f64,
-}
-
+/// The goal as it is played.
+#[derive(Clone)]
 pub(crate) struct Reach {
-    settings: Settings,
+    settings: goal::Reach,
     /// Time between two actions, s.
     interval: f64,
     goals: Vec<[f64; 2]>,
@@ -32,23 +27,25 @@ pub(crate) struct Reach {
 }
 
 impl Reach {
-    pub(crate) fn new(settings: Settings, robots: usize, interval: f64) -> Result<Self, String> {
-        check_range("reach.distance", settings.distance, 0.0, 1000.0)?;
-        check_range("reach.tolerance", [settings.tolerance; 2], 1e-3, 100.0)?;
-        Ok(Self { settings, interval, goals: vec![[0.0; 2]; robots], distances: vec![0.0; robots] })
+    pub(crate) fn new(settings: goal::Reach, robots: usize, interval: f64) -> Self {
+        Self { settings, interval, goals: vec![[0.0; 2]; robots], distances: vec![0.0; robots] }
     }
 }
 
-impl Goal for Reach {
+impl Rules for Reach {
     fn width(&self) -> usize {
         5
     }
 
-    fn reset(&mut self, sight: &Sight, rng: &mut ChaCha8Rng) {
+    fn begin(&mut self, sight: &Sight, rng: &mut ChaCha8Rng) {
         for ((goal, far), robot) in self.goals.iter_mut().zip(&mut self.distances).zip(&sight.robots) {
+            if let Some(point) = self.settings.point {
+                (*goal, *far) = (point, distance(point, robot.place.point()));
+                continue;
+            }
             let bearing = draw(rng, [-std::f64::consts::PI, std::f64::consts::PI]);
             let (sin, cos) = libm::sincos(bearing);
-            *far = draw(rng, self.settings.distance);
+            *far = draw(rng, self.settings.distance.unwrap_or_default());
             *goal = [robot.place.x + *far * cos, robot.place.y + *far * sin];
         }
     }
@@ -58,7 +55,7 @@ impl Goal for Reach {
         seen.place.to_own(self.goals[robot]).into_iter().chain(seen.velocity).for_each(push);
     }
 
-    fn judge(&mut self, sight: &Sight) -> Verdict {
+    fn judge(&mut self, _: &mut World, sight: &Sight) -> Verdict {
         let mut rewards = Vec::with_capacity(self.goals.len());
         let mut arrived = 0;
         for ((goal, before), robot) in self.goals.iter().zip(&mut self.distances).zip(&sight.robots) {

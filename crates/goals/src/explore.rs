@@ -7,33 +7,21 @@
 use std::sync::Arc;
 
 use rand_chacha::ChaCha8Rng;
-use scene::RobotDef;
 use scene::sensor::{Config, Fan};
-use serde::Deserialize;
+use scene::{RobotDef, goal};
 
-use super::{Goal, RobotSight, Sight, Verdict, check_range};
+use sim_core::World;
+
+use crate::rules::{Rules, Verdict};
+use crate::sight::{RobotSight, Sight};
 
 /// Number of sectors of a scan that a robot observes.
 const SECTORS: usize = 36;
-/// Maximum number of cells.
-const MAX_CELLS: f64 = 1e6;
 
-/// Settings of the goal.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Settings {
-    /// Least and most of x and y of the area, m.
-    area: [[f64; 2]; 2],
-    /// Edge of a cell of the area, m.
-    cell: f64,
-    /// Name of the laser.
-    pub(crate) scanner: String,
-    /// Distance up to which a beam sees the floor, m.
-    sight: f64,
-}
-
+/// The goal as it is played.
+#[derive(Clone)]
 pub(crate) struct Explore {
-    settings: Settings,
+    settings: goal::Explore,
     /// Cells along x and y.
     size: [usize; 2],
     fan: Fan,
@@ -46,15 +34,8 @@ pub(crate) struct Explore {
 }
 
 impl Explore {
-    pub(crate) fn new(settings: Settings, robot: &RobotDef) -> Result<Self, String> {
-        let Settings { area, cell, scanner, sight } = &settings;
-        area.iter().try_for_each(|&range| check_range("explore.area", range, -1000.0, 1000.0))?;
-        check_range("explore.cell", [*cell; 2], 0.01, 10.0)?;
-        check_range("explore.sight", [*sight; 2], *cell, 1000.0)?;
-        let size = area.map(|[low, high]| ((high - low) / cell).ceil().max(1.0));
-        if size[0] * size[1] > MAX_CELLS {
-            return Err(format!("explore.cell: got {} cells, expected at most {MAX_CELLS}", size[0] * size[1]));
-        }
+    pub(crate) fn new(settings: goal::Explore, robot: &RobotDef) -> Result<Self, String> {
+        let (size, scanner) = (settings.cells(), &settings.scanner);
         let known = robot.sensors.iter().find(|sensor| sensor.name.eq_ignore_ascii_case(scanner));
         let Some(sensor) = known else {
             return Err(format!("explore.scanner: {} has no sensor `{scanner}`", robot.class));
@@ -75,14 +56,14 @@ impl Explore {
             let (sin, cos) = libm::sincos(yaw + fan.first - beam as f64 * fan.resolution);
             [cos, sin]
         };
-        let (size, beams) = (size.map(|count| count as usize), (0..beams).map(direction).collect());
+        let beams = (0..beams).map(direction).collect();
         let mount = [sensor.position[0], sensor.position[1]];
         Ok(Self { size, fan, beams, mount, is_seen: vec![false; size[0] * size[1]], seen: 0, settings })
     }
 
     /// Marks what a robot sees. Returns the number of new cells.
     fn look(&mut self, robot: &RobotSight) -> usize {
-        let Self { settings: Settings { area, cell, sight, .. }, size, beams, mount, is_seen, .. } = self;
+        let Self { settings: goal::Explore { area, cell, sight, .. }, size, beams, mount, is_seen, .. } = self;
         let (sin, cos) = libm::sincos(robot.place.yaw);
         let to_world = |[forward, right]: [f64; 2]| [cos * forward - sin * right, sin * forward + cos * right];
         let [from_x, from_y] = to_world(*mount);
@@ -105,12 +86,12 @@ impl Explore {
     }
 }
 
-impl Goal for Explore {
+impl Rules for Explore {
     fn width(&self) -> usize {
         SECTORS + 2 + 2 + 3 + 1
     }
 
-    fn reset(&mut self, sight: &Sight, _rng: &mut ChaCha8Rng) {
+    fn begin(&mut self, sight: &Sight, _rng: &mut ChaCha8Rng) {
         self.is_seen.fill(false);
         self.seen = sight.robots.iter().map(|robot| self.look(robot)).sum();
     }
@@ -130,11 +111,11 @@ impl Goal for Explore {
         push(self.seen as f64 / self.is_seen.len() as f64);
     }
 
-    fn judge(&mut self, sight: &Sight) -> Verdict {
+    fn judge(&mut self, _: &mut World, sight: &Sight) -> Verdict {
         let cell = self.settings.cell * self.settings.cell;
         let new: Vec<usize> = sight.robots.iter().map(|robot| self.look(robot)).collect();
         self.seen += new.iter().sum::<usize>();
-        let is_success = self.seen == self.is_seen.len();
+        let is_success = self.seen as f64 >= self.settings.part * self.is_seen.len() as f64;
         let rewards = new.into_iter().map(|new| new as f64 * cell).collect();
         Verdict { rewards, is_over: is_success, is_success }
     }

@@ -5,34 +5,22 @@
 //! episode ends at the end of the path, or when a robot is too far beside it.
 
 use rand_chacha::ChaCha8Rng;
-use serde::Deserialize;
+use scene::goal;
 
-use super::{Goal, Sight, Verdict, check_range, distance, draw};
+use sim_core::World;
 
-/// Maximum number of points of a path.
-const MAX_POINTS: usize = 1000;
+use crate::rules::{Rules, Verdict};
+use crate::sight::{Sight, distance, draw};
+
 /// Number of points ahead that a robot observes.
 const AHEAD: usize = 3;
 /// Reward at the end of the path.
 const ARRIVAL: f64 = 1.0;
 
-/// Settings of the goal.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Settings {
-    /// Points of the path in the frame of the robot at its start: forward and right, m. It begins at the robot.
-    points: Vec<[f64; 2]>,
-    /// Distance between the points ahead that the robot observes, m.
-    spacing: f64,
-    /// Distance beside the path at which the episode ends, m.
-    most_beside: f64,
-    /// True to mirror half of the paths.
-    #[serde(default)]
-    mirror: bool,
-}
-
+/// The goal as it is played.
+#[derive(Clone)]
 pub(crate) struct Follow {
-    settings: Settings,
+    settings: goal::Follow,
     /// Time between two actions, s.
     interval: f64,
     /// The path of each robot in the world, m.
@@ -47,23 +35,8 @@ struct Path {
 }
 
 impl Follow {
-    pub(crate) fn new(settings: Settings, robots: usize, interval: f64) -> Result<Self, String> {
-        check_range("follow.spacing", [settings.spacing; 2], 0.01, 100.0)?;
-        check_range("follow.most_beside", [settings.most_beside; 2], 0.01, 100.0)?;
-        if !(1..=MAX_POINTS).contains(&settings.points.len()) {
-            return Err(format!("follow.points: got {}, expected 1 to {MAX_POINTS}", settings.points.len()));
-        }
-        settings.points.iter().flatten().try_for_each(|&it| check_range("follow.points", [it; 2], -1000.0, 1000.0))?;
-        let mut before = [0.0; 2];
-        for &point in &settings.points {
-            if distance(before, point) < 1e-3 {
-                return Err(format!(
-                    "follow.points: got {point:?} twice, expected points that differ, the first not 0, 0"
-                ));
-            }
-            before = point;
-        }
-        Ok(Self { settings, interval, paths: vec![Path::default(); robots] })
+    pub(crate) fn new(settings: goal::Follow, robots: usize, interval: f64) -> Self {
+        Self { settings, interval, paths: vec![Path::default(); robots] }
     }
 }
 
@@ -108,12 +81,12 @@ impl Path {
     }
 }
 
-impl Goal for Follow {
+impl Rules for Follow {
     fn width(&self) -> usize {
         2 * AHEAD + 1 + 3
     }
 
-    fn reset(&mut self, sight: &Sight, rng: &mut ChaCha8Rng) {
+    fn begin(&mut self, sight: &Sight, rng: &mut ChaCha8Rng) {
         for (path, robot) in self.paths.iter_mut().zip(&sight.robots) {
             let side = if self.settings.mirror && draw(rng, [0.0, 1.0]) < 0.5 { -1.0 } else { 1.0 };
             let (sin, cos) = libm::sincos(robot.place.yaw);
@@ -136,7 +109,7 @@ impl Goal for Follow {
         seen.velocity.into_iter().for_each(push);
     }
 
-    fn judge(&mut self, sight: &Sight) -> Verdict {
+    fn judge(&mut self, _: &mut World, sight: &Sight) -> Verdict {
         let (mut rewards, mut arrived, mut is_off) = (Vec::with_capacity(self.paths.len()), 0, false);
         for (path, robot) in self.paths.iter_mut().zip(&sight.robots) {
             let (travelled, beside) = path.nearest(robot.place.point(), self.settings.most_beside);
