@@ -256,3 +256,56 @@ fn a_doc_comment_is_judged_by_its_first_line() {
         assert_eq!(begins_obliquely(before, line), is_oblique, "{before} / {line}");
     }
 }
+
+/// Fields of a world, and the files below `world/` that use them, beside `saved.rs`, which saves them.
+const FIELDS_OF_WORLD: [(&str, &[&str]); 18] = [
+    ("scene", &["avatar.rs", "controller.rs"]),
+    ("options", &["avatar.rs", "controller.rs", "report.rs"]),
+    ("physics", &["actors.rs", "avatar.rs", "controller.rs", "held.rs", "tools.rs", "vacuum.rs", "victims.rs"]),
+    ("is_engine_running", &[]),
+    ("steps", &[]),
+    ("robots", &["actors.rs", "controller.rs", "held.rs", "tiles.rs", "victims.rs"]),
+    ("next_id", &["tools.rs"]),
+    ("controllers", &["actors.rs", "controller.rs"]),
+    ("avatars", &["actors.rs", "avatar.rs"]),
+    ("created", &["controller.rs"]),
+    ("next_object", &["avatar.rs", "controller.rs", "tools.rs"]),
+    ("attached", &["held.rs", "tools.rs", "vacuum.rs"]),
+    ("engine_names", &["actors.rs", "avatar.rs"]),
+    ("tiles", &["tiles.rs"]),
+    ("single_view", &["tiles.rs"]),
+    ("lost", &[]),
+    ("restored", &[]),
+    ("threads", &[]),
+];
+
+/// Every file below `world/` could reach every field: Rust keeps nothing from a module's children.
+#[test]
+fn a_field_of_the_world_is_used_by_the_few_files_that_need_it() {
+    let source = repository().join("crates/sim-core/src");
+    let world = text(&source.join("world.rs"));
+    let (_, rest) = world.split_once("pub struct World {").expect("the struct");
+    let (own, _) = rest.split_once("\n}").expect("its end");
+    let field = |line: &str| line.strip_prefix("    ")?.split_once(": ").map(|(name, _)| name.to_owned());
+    let fields: Vec<String> = own.lines().filter(|line| !line.contains("///")).filter_map(field).collect();
+    assert_eq!(fields, FIELDS_OF_WORLD.map(|(name, _)| name));
+    for (field, expected) in FIELDS_OF_WORLD {
+        let mut found = Vec::new();
+        for path in files(&source.join("world"), &["rs"]) {
+            let code = text(&path);
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let uses = ["self.", "world."].iter().any(|owner| {
+                code.match_indices(&format!("{owner}{field}")).any(|(start, it)| {
+                    let before = code[..start].chars().next_back().is_none_or(|c| !c.is_alphanumeric() && c != '_');
+                    let after = code[start + it.len()..].chars().next();
+                    before && after.is_none_or(|c| !c.is_alphanumeric() && c != '_' && c != '(')
+                })
+            });
+            if uses && name != "saved.rs" && code.contains("impl World") {
+                found.push(name);
+            }
+        }
+        found.sort();
+        assert_eq!(found, expected, "`{field}`: another file uses it, or one no longer does");
+    }
+}

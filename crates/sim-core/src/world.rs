@@ -33,9 +33,8 @@ use actors::EngineNames;
 pub use actors::{Actor, ActorKind};
 use avatar::Avatar;
 use controller::{Controller, Created};
-use held::{Stuck, Tool};
+use held::{Attachments, Hand};
 use item::Motion;
-use item::{Hand, Hands};
 pub use report::Report;
 use robot::Robot;
 pub use saved::{LoadError, SaveError, SavedWorld};
@@ -71,16 +70,14 @@ pub struct World {
     /// Objects that controllers created, by their ids.
     created: Vec<Created>,
     next_object: u64,
-    /// Tools that robots hold, or have dropped.
-    tools: Vec<Tool>,
+    /// Objects that robots hold, and tools that they have dropped.
+    attached: Attachments,
     /// Numbers of pawns within their classes.
     engine_names: EngineNames,
     /// Cameras that the image server shows.
     tiles: Tiles,
     /// The robot that asked for a single view.
     single_view: Option<PawnId>,
-    /// Objects that stick to vacuums.
-    stuck: Vec<Stuck>,
     lost: Vec<LostRobot>,
     /// Names and faults of restored objects, until [`World::take_restored`].
     restored: Vec<(String, Fault)>,
@@ -145,11 +142,10 @@ impl World {
             avatars: BTreeMap::new(),
             created: Vec::new(),
             next_object,
-            tools: Vec::new(),
+            attached: Attachments::default(),
             engine_names: EngineNames::default(),
             tiles: Tiles::default(),
             single_view: None,
-            stuck: Vec::new(),
             lost: Vec::new(),
             restored: Vec::new(),
             threads: Arc::new(OneThread),
@@ -221,7 +217,7 @@ impl World {
             return self.spawn_avatar(class, name, &wanted).map_err(refuse).ok();
         }
         let class = self.class(init, problems)?;
-        let (tools, class) = match self.outfit(&class) {
+        let (mut tools, class) = match self.outfit(&class) {
             Ok(outfit) => outfit,
             Err(why) => {
                 problems.push(Problem::NoRoom { wanted: wire_place(init), why });
@@ -250,7 +246,7 @@ impl World {
         self.robots.insert(id, robot);
         self.give_tiles(id);
         self.next_object += tools.len() as u64;
-        self.tools.extend(tools);
+        tools.take_where(|_| true).into_iter().for_each(|tool| self.attached.add(tool));
         Some(id)
     }
 
@@ -498,12 +494,12 @@ impl World {
         }
         let of_avatars = if do_avatars_look { self.look_ahead() } else { Vec::new() };
         let (physics, threads) = (&self.physics, &*self.threads);
-        let hands = Hands { tools: &self.tools, stuck: &self.stuck };
+        let held = &self.attached;
         let due = self.robots.iter_mut().filter(|(_, robot)| robot.is_about_to_report(steps));
         let mut reports: Vec<_> = due.map(|(&id, robot)| (id, robot, Vec::new())).collect();
         in_parts(threads, 1, &mut reports, &|reports| {
             for (_, robot, own) in reports {
-                robot.report(physics, &hands, time, steps, |report| own.push(report));
+                robot.report(physics, held, time, steps, |report| own.push(report));
             }
         });
         let of_robot =
@@ -630,8 +626,7 @@ impl World {
 
     /// Returns every movable object, by their ids, and those that robots hold.
     pub fn objects(&self) -> impl Iterator<Item = ObjectSnapshot> {
-        let mut objects: Vec<ObjectSnapshot> =
-            self.physics.objects().chain(self.held_tools()).chain(self.stuck_objects()).collect();
+        let mut objects: Vec<ObjectSnapshot> = self.physics.objects().chain(self.attached_objects()).collect();
         objects.sort_by_key(|object| object.id);
         objects.into_iter()
     }
@@ -647,9 +642,7 @@ impl World {
             joints.iter().flat_map(|joint| [joint.position, joint.speed]).for_each(&mut mix);
             self.physics.numbers(robot.bodies()).into_iter().for_each(&mut mix);
         }
-        let held = self.tools.iter().filter_map(|tool| Some([tool.id.0, tool.robot.0, tool.changer? as u64]));
-        let stuck = self.stuck.iter().map(|stuck| [stuck.id.0, stuck.robot.0, stuck.vacuum as u64]);
-        held.chain(stuck).flatten().for_each(|number| mix(number as f64));
+        self.attached.numbers().for_each(|number| mix(number as f64));
         hash.value()
     }
 

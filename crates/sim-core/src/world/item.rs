@@ -14,7 +14,7 @@ use gamebots_proto::message::{ItemConf, ItemGeo, MountedGeo};
 use nalgebra::Vector3;
 use scene::{RobotDef, Sensed};
 
-use super::held::{Stuck, Tool};
+use super::held::{Attachments, Hand};
 use super::seed;
 use super::{Options, Report};
 use crate::drive::Order;
@@ -36,22 +36,6 @@ pub(super) enum Effect {
     Hand { hand: Hand, closed: bool },
     /// A change of the world's RFID tags.
     Tag(TagOrder),
-}
-
-/// An item that takes and drops objects, by its number among its kind in the robot's class.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Hand {
-    /// A tool changer.
-    Changer(usize),
-    /// A vacuum.
-    Vacuum(usize),
-}
-
-/// All that robots hold.
-#[derive(Clone, Copy)]
-pub(super) struct Hands<'a> {
-    pub(super) tools: &'a [Tool],
-    pub(super) stuck: &'a [Stuck],
 }
 
 /// An ACT or MISPKG.
@@ -87,7 +71,7 @@ pub(super) trait Verbs {
     /// Returns the geometry.
     fn geo(&self, robot: &RobotDef) -> Option<ItemGeo>;
     /// Returns the report of this moment. `None` if there is nothing to report.
-    fn report(&mut self, view: &View, hands: &Hands) -> Option<Report>;
+    fn report(&mut self, view: &View, held: &Attachments) -> Option<Report>;
     /// Returns the part that changes; nothing by default.
     fn state(&mut self) -> State<'_> {
         State::default()

@@ -8,7 +8,8 @@ use gamebots_proto::{Problem, expected_of, shown};
 use scene::{Pose, RobotDef, RobotSnapshot};
 use serde::{Deserialize, Serialize};
 
-use super::item::{self, Effect, Hand, Hands, Item, Motion, STATUS_INTERVAL};
+use super::held::{Attachments, Hand};
+use super::item::{self, Effect, Item, Motion, STATUS_INTERVAL};
 use super::{Options, PawnId, Report};
 use crate::WheelState;
 use crate::drive::{DriveState, Order};
@@ -324,7 +325,7 @@ impl Robot {
     pub(super) fn report(
         &mut self,
         physics: &Physics,
-        hands: &Hands,
+        held: &Attachments,
         time: f64,
         step: u64,
         mut send: impl FnMut(Report),
@@ -343,7 +344,7 @@ impl Robot {
         let wheels = physics.wheels(&self.bodies);
         let (items, view) = self.items_and_view(physics, time, &wheels);
         let due = items.iter_mut().filter(|item| is_due(item));
-        due.filter_map(|item| item.get_mut().report(&view, hands)).for_each(send);
+        due.filter_map(|item| item.get_mut().report(&view, held)).for_each(send);
     }
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::actors::EngineNames;
 use super::avatar::Avatar;
 use super::controller::{Controller, Created, MAX_OBJECTS};
-use super::held::{self, Stuck, Tool};
+use super::held::Attachments;
 use super::robot::{Robot, SavedRobot};
 use super::tiles::Tiles;
 use super::{MAX_NAME_CHARS, MAX_ROBOTS, World};
@@ -29,16 +29,14 @@ pub struct SavedWorld {
     avatars: BTreeMap<PawnId, Avatar>,
     created: Vec<Created>,
     next_object: u64,
-    #[serde(default)]
-    tools: Vec<Tool>,
+    #[serde(flatten)]
+    attached: Attachments,
     #[serde(default)]
     engine_names: EngineNames,
     #[serde(default)]
     tiles: Tiles,
     #[serde(default)]
     single_view: Option<PawnId>,
-    #[serde(default)]
-    stuck: Vec<Stuck>,
     /// `None` in files from before there were any: then those of the map.
     #[serde(default)]
     tags: Option<Vec<RfidTag>>,
@@ -74,7 +72,7 @@ impl SavedWorld {
             return Err(LoadError::TooHigh { name, got, most: MAX_COUNT });
         }
         let pawns = self.robots.len() + self.controllers.len() + self.avatars.len();
-        let objects = self.objects.len() + self.tools.len() + self.stuck.len();
+        let objects = self.objects.len() + self.attached.len();
         let lists = [
             ("pawns", pawns, MAX_ROBOTS),
             ("objects of controllers", self.created.len(), MAX_OBJECTS),
@@ -231,11 +229,10 @@ impl World {
             avatars: self.avatars.clone(),
             created: self.created.clone(),
             next_object: self.next_object,
-            tools: self.tools.clone(),
+            attached: self.attached.clone(),
             engine_names: self.engine_names.clone(),
             tiles: self.tiles,
             single_view: self.single_view,
-            stuck: self.stuck.clone(),
             tags: Some(self.physics.tags.clone()),
             conveyors: self.physics.conveyor_factors().collect(),
             unsettled: self.physics.unsettled_steps(),
@@ -254,20 +251,16 @@ impl World {
         (world.steps, world.next_id) = (saved.steps, saved.next_id);
         world.avatars = saved.avatars.clone();
         (world.controllers, world.created) = (saved.controllers.clone(), saved.created.clone());
-        (world.next_object, world.tools) = (saved.next_object, saved.tools.clone());
-        (world.engine_names, world.stuck) = (saved.engine_names.clone(), saved.stuck.clone());
+        (world.next_object, world.attached) = (saved.next_object, saved.attached.clone());
+        world.engine_names = saved.engine_names.clone();
         (world.tiles, world.single_view) = (saved.tiles, saved.single_view);
         let (of_map, next) = (world.def().map.objects.len() as u64, saved.next_object);
         let fits = |it: &SavedObject| it.spawned.is_none() == (it.id.0 < of_map) && it.id.0 < next && it.is_sound();
         if let Some(SavedObject { id, .. }) = saved.objects.iter().find(|it| !fits(it)) {
             return Err(LoadError::OtherMap { id: *id });
         }
-        if let Some(Tool { id, .. }) = saved.tools.iter().find(|tool| tool.id.0 >= next || !tool.is_sound()) {
-            return Err(LoadError::OtherMap { id: *id });
-        }
-        let fits = |it: &Stuck| it.is_of_map() == (it.id.0 < of_map) && it.id.0 < next && it.is_sound();
-        if let Some(Stuck { id, .. }) = saved.stuck.iter().find(|it| !fits(it)) {
-            return Err(LoadError::OtherMap { id: *id });
+        if let Some(id) = saved.attached.unsound(of_map, next) {
+            return Err(LoadError::OtherMap { id });
         }
         let is_saved = |body| saved.objects.iter().any(|object| object.id == body && object.spawned.is_some());
         let fits = |(_, avatar): &(&PawnId, &Avatar)| is_saved(avatar.body()) && avatar.is_sound();
@@ -301,7 +294,7 @@ impl World {
                 let expected = world.def().robots.keys().cloned().collect::<Vec<_>>().join(", ");
                 return Err(LoadError::UnknownClass { id, class, expected });
             };
-            let fitted = held::fitted(&mut world.physics, &compiled, id, &saved.tools, &saved.stuck);
+            let fitted = saved.attached.fitted(&mut world.physics, &compiled, id);
             let fitted = fitted.map_err(|_| LoadError::OtherClass { id, class: class.clone() })?;
             let loaded = Robot::load(&mut world.physics, fitted, robot, saved.steps, saved.options);
             world.robots.insert(id, loaded.ok_or(LoadError::OtherClass { id, class })?);

@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use gamebots_proto::Problem;
 use nalgebra::Vector3;
-use scene::{ObjectId, ObjectSnapshot, PawnId, ToolChanger};
+use scene::{ObjectId, PawnId, ToolChanger};
 
 use super::World;
-use super::held::{Tool, fitted};
+use super::held::{Attachment, Attachments, Hand, Origin};
 use crate::physics::{CompiledRobot, Identity, Light};
 
 /// Tolerance of comparisons with the limits of a tool changer, m or rad.
@@ -19,20 +19,17 @@ const ROUNDING: f64 = 1e-9;
 
 impl World {
     /// Returns the tools with which the next robot of a class is spawned, and the class with them. Fails with the reason in words.
-    pub(super) fn outfit(&mut self, class: &Arc<CompiledRobot>) -> Result<(Vec<Tool>, Arc<CompiledRobot>), String> {
+    pub(super) fn outfit(&mut self, class: &Arc<CompiledRobot>) -> Result<(Attachments, Arc<CompiledRobot>), String> {
         let robot = PawnId(self.next_id);
         let held =
             class.def.tool_changers.iter().enumerate().filter_map(|(number, it)| Some((number, it.tool.as_ref()?)));
         let ids = (self.next_object..).map(ObjectId);
-        let tool = |((changer, tool), id): ((usize, &scene::Tool), ObjectId)| Tool {
-            id,
-            robot,
-            changer: Some(changer),
-            kind: tool.kind.clone(),
-            object: Arc::new(tool.object.clone()),
-        };
-        let tools: Vec<Tool> = held.zip(ids).map(tool).collect();
-        let fitted = fitted(&mut self.physics, class, robot, &tools, &[])?;
+        let mut tools = Attachments::default();
+        for ((changer, tool), id) in held.zip(ids) {
+            let (hand, object) = (Some(Hand::Changer(changer)), Arc::new(tool.object.clone()));
+            tools.add(Attachment { id, robot, hand, object, origin: Origin::Tool(tool.kind.clone()) });
+        }
+        let fitted = tools.fitted(&mut self.physics, class, robot)?;
         Ok((tools, fitted))
     }
 
@@ -40,9 +37,10 @@ impl World {
     pub(super) fn change_tool(&mut self, robot: PawnId, number: usize, closed: bool, problems: &mut Vec<Problem>) {
         let changer = self.robot(robot).and_then(|def| def.tool_changers.get(number)).cloned();
         let Some(changer) = changer else { return };
-        let done = match (closed, held_by(&self.tools, robot, number)) {
+        let held = self.attached.of(robot, Hand::Changer(number)).cloned();
+        let done = match (closed, held) {
             (true, None) => self.take_tool(robot, number, &changer),
-            (false, Some(tool)) => self.drop_tool(tool, &changer),
+            (false, Some(tool)) => self.drop_tool(tool),
             _ => Ok(()),
         };
         if let Err(why) = done {
@@ -50,19 +48,24 @@ impl World {
         }
     }
 
-    fn drop_tool(&mut self, place: usize, changer: &ToolChanger) -> Result<(), String> {
-        let tool = self.tools[place].clone();
+    fn drop_tool(&mut self, tool: Attachment) -> Result<(), String> {
         self.empty_tool(tool.robot, &tool);
-        let carrier = self.carrier(tool.robot, changer.link).ok_or("the robot is gone")?;
-        let pose = carrier.pose * changer.pose() * tool.object.solid.pose();
-        self.tools[place].changer = None;
+        let (carrier, pose) = self.carried(&tool).ok_or("the robot is gone")?;
+        self.hand_over(tool.id, tool.robot, None);
         if let Err(why) = self.refit(tool.robot) {
-            self.tools[place].changer = tool.changer;
+            self.hand_over(tool.id, tool.robot, tool.hand);
             return Err(why);
         }
         self.physics.spawn_object(tool.id, tool.object, &pose, false);
         self.leave_link(tool.id, &carrier, &pose);
         Ok(())
+    }
+
+    /// Gives a tool to an item of a robot, or to none.
+    fn hand_over(&mut self, tool: ObjectId, robot: PawnId, hand: Option<Hand>) {
+        if let Some(tool) = self.attached.get_mut(tool) {
+            (tool.robot, tool.hand) = (robot, hand);
+        }
     }
 
     /// Takes the first tool that a ray along the changer's z axis meets, if it is near enough and turned like the changer.
@@ -73,10 +76,14 @@ impl World {
         let sight = self.physics.sight(Light::Visible, &origin, reach, robot);
         let hit = sight.cast_ray(&(own.rotation * Vector3::z())).ok_or("nothing is ahead of it")?;
         let Identity::Object(id) = hit.identity else { return Err("what is ahead of it is no tool".to_owned()) };
-        let is_it = |tool: &Tool| tool.id == id && tool.changer.is_none();
-        let place = self.tools.iter().position(is_it).ok_or("what is ahead of it is no tool")?;
-        let shape = self.physics.object(id).ok_or("the tool is gone")?;
-        let tool = shape * self.tools[place].object.solid.pose().inverse();
+        let is_it = |it: &&Attachment| it.id == id && it.hand.is_none();
+        let (before, shape) = self
+            .attached
+            .iter()
+            .find(is_it)
+            .map(|tool| (tool.robot, tool.object.solid.pose()))
+            .ok_or("what is ahead of it is no tool")?;
+        let tool = self.physics.object(id).ok_or("the tool is gone")? * shape.inverse();
         let distance = (tool.translation.vector - own.translation.vector).norm();
         let between = |axis: Vector3<f64>| (tool.rotation * axis).angle(&(own.rotation * axis));
         let angle = between(Vector3::x()).max(between(Vector3::y()));
@@ -86,39 +93,19 @@ impl World {
                 "the tool is {distance:.3} m and {angle:.3} rad away: expected at most {position_tolerance} m and {angle_tolerance} rad"
             ));
         }
-        let before = self.tools[place].robot;
-        (self.tools[place].robot, self.tools[place].changer) = (robot, Some(number));
+        self.hand_over(id, robot, Some(Hand::Changer(number)));
         if let Err(why) = self.refit(robot) {
-            (self.tools[place].robot, self.tools[place].changer) = (before, None);
+            self.hand_over(id, before, None);
             return Err(why);
         }
         self.physics.remove_object(id);
         Ok(())
     }
 
-    /// Returns snapshots of the tools that robots hold.
-    pub(super) fn held_tools(&self) -> impl Iterator<Item = ObjectSnapshot> {
-        self.tools.iter().filter_map(|tool| {
-            let changer = self.robot(tool.robot)?.tool_changers.get(tool.changer?)?;
-            let pose = self.carrier(tool.robot, changer.link)?.pose * changer.pose() * tool.object.solid.pose();
-            Some(ObjectSnapshot { id: tool.id, def: tool.object.clone(), pose })
-        })
-    }
-
     /// Removes the tools of a robot that leaves.
     pub(super) fn remove_tools(&mut self, robot: PawnId) {
-        for tool in self.tools.extract_if(.., |tool| tool.robot == robot) {
+        for tool in self.attached.take_where(|it| it.robot == robot && it.kind().is_some()) {
             self.physics.remove_object(tool.id);
         }
     }
-}
-
-/// Returns the place in a list of the tool that a tool changer holds.
-fn held_by(tools: &[Tool], robot: PawnId, changer: usize) -> Option<usize> {
-    tools.iter().position(|tool| tool.robot == robot && tool.changer == Some(changer))
-}
-
-/// Returns the tool that a tool changer holds.
-pub(super) fn held(tools: &[Tool], robot: PawnId, changer: usize) -> Option<&Tool> {
-    held_by(tools, robot, changer).and_then(|place| tools.get(place))
 }

@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use gamebots_proto::Problem;
 use nalgebra::Vector3;
-use scene::{Object, ObjectId, ObjectSnapshot, PawnId, Pose, Solid, Vacuum, position_and_rotation};
+use scene::{Object, PawnId, Solid, Vacuum, position_and_rotation};
 
 use super::World;
-use super::held::{Stuck, Tool};
+use super::held::{Attachment, Hand, Origin};
 use crate::physics::{Identity, Light};
 
 impl World {
@@ -19,10 +19,14 @@ impl World {
     pub(super) fn suck(&mut self, robot: PawnId, number: usize, closed: bool, problems: &mut Vec<Problem>) {
         let vacuum = self.robot(robot).and_then(|def| def.vacuums.get(number)).cloned();
         let Some(vacuum) = vacuum else { return };
-        let held = self.stuck.iter().position(|it| it.robot == robot && it.vacuum == number);
+        let held = self.attached.of(robot, Hand::Vacuum(number)).map(|it| it.id);
         let done = match (closed, held) {
             (true, None) => self.stick(robot, number, &vacuum),
-            (false, Some(place)) => self.let_go(place),
+            (false, Some(id)) => {
+                let own = self.attached.take(id);
+                own.into_iter().for_each(|it| self.put_down(it));
+                self.refit(robot)
+            }
             _ => Ok(()),
         };
         if let Err(why) = done {
@@ -33,7 +37,7 @@ impl World {
     /// Fixes the first object that a ray along the vacuum's z axis meets to its link.
     fn stick(&mut self, robot: PawnId, number: usize, vacuum: &Vacuum) -> Result<(), String> {
         if let Some(tool) = &vacuum.tool
-            && !holds(&self.tools, robot, tool)
+            && !self.attached.iter().any(|it| it.robot == robot && is_held_as(it, tool))
         {
             return Err(format!("the robot does not hold the tool {tool}"));
         }
@@ -44,7 +48,7 @@ impl World {
         let hit = sight.cast_ray(&(mouth.rotation * Vector3::z()));
         let hit = hit.ok_or_else(|| format!("nothing is within {} m ahead of it", vacuum.reach))?;
         let Identity::Object(id) = hit.identity else { return Err("what is ahead of it cannot be lifted".to_owned()) };
-        if self.tools.iter().any(|tool| tool.id == id) {
+        if self.attached.iter().any(|it| it.id == id) {
             return Err("what is ahead of it is a tool: expected an object".to_owned());
         }
         let now = self.physics.object(id).ok_or("the object is gone")?;
@@ -57,32 +61,23 @@ impl World {
         let (position, rotation) = position_and_rotation(&(carrier.inverse() * now));
         let Object { solid, mass } = &*lifted.def;
         let fixed = Arc::new(Object { solid: Solid { position, rotation, ..solid.clone() }, mass: *mass });
-        self.stuck.push(Stuck { id, robot, vacuum: number, lifted, fixed });
+        let (hand, origin) = (Some(Hand::Vacuum(number)), Origin::World(lifted));
+        self.attached.add(Attachment { id, robot, hand, object: fixed, origin });
         if let Err(why) = self.refit(robot) {
-            if let Some(stuck) = self.stuck.pop() {
-                self.physics.put_down(id, stuck.lifted, &now);
+            if let Some(Attachment { origin: Origin::World(lifted), .. }) = self.attached.take(id) {
+                self.physics.put_down(id, lifted, &now);
             }
             return Err(why);
         }
         Ok(())
     }
 
-    /// Lets an object come off, by its place in the list. It goes on with the velocity of the link.
-    fn let_go(&mut self, place: usize) -> Result<(), String> {
-        let stuck = self.stuck.remove(place);
-        let robot = stuck.robot;
-        self.put_down(stuck);
-        self.refit(robot)
-    }
-
-    /// Puts an object that has come off a robot back into the world.
-    fn put_down(&mut self, stuck: Stuck) {
-        let Stuck { id, robot, vacuum, lifted, fixed } = stuck;
-        let link = self.robot(robot).and_then(|def| def.vacuums.get(vacuum)).map(|vacuum| vacuum.link);
-        let Some(carrier) = link.and_then(|link| self.carrier(robot, link)) else { return };
-        let pose = carrier.pose * fixed.solid.pose();
-        self.physics.put_down(id, lifted, &pose);
-        self.leave_link(id, &carrier, &pose);
+    /// Puts an object that has come off a vacuum back into the world. It goes on with the velocity of the link.
+    fn put_down(&mut self, attachment: Attachment) {
+        let Some((carrier, pose)) = self.carried(&attachment) else { return };
+        let Origin::World(lifted) = attachment.origin else { return };
+        self.physics.put_down(attachment.id, lifted, &pose);
+        self.leave_link(attachment.id, &carrier, &pose);
     }
 
     /// Puts down the objects of a robot that is about to leave.
@@ -91,52 +86,28 @@ impl World {
     }
 
     /// Puts down the objects of a tool that its robot is about to drop. That refits the robot.
-    pub(super) fn empty_tool(&mut self, robot: PawnId, tool: &Tool) {
+    pub(super) fn empty_tool(&mut self, robot: PawnId, tool: &Attachment) {
         let is_of_tool = |vacuum: &Vacuum| vacuum.tool.as_ref().is_some_and(|name| is_named(tool, name));
         let vacuums = self.robot(robot).map_or(&[][..], |def| &def.vacuums);
         let own: Vec<bool> = vacuums.iter().map(is_of_tool).collect();
-        self.put_down_where(robot, |stuck| own.get(stuck.vacuum) == Some(&true));
+        self.put_down_where(robot, |vacuum| own.get(vacuum) == Some(&true));
     }
 
-    fn put_down_where(&mut self, robot: PawnId, is_meant: impl Fn(&Stuck) -> bool) {
-        let own: Vec<Stuck> = self.stuck.extract_if(.., |stuck| stuck.robot == robot && is_meant(stuck)).collect();
-        own.into_iter().for_each(|stuck| self.put_down(stuck));
-    }
-
-    /// Removes an object from the world, be it stuck to a robot.
-    pub(super) fn remove_object(&mut self, id: ObjectId) {
-        self.physics.remove_object(id);
-        if let Some(place) = self.stuck.iter().position(|stuck| stuck.id == id) {
-            let robot = self.stuck.remove(place).robot;
-            _ = self.refit(robot);
-        }
-    }
-
-    /// Returns snapshots of the objects that stick to robots.
-    pub(super) fn stuck_objects(&self) -> impl Iterator<Item = ObjectSnapshot> {
-        self.stuck.iter().filter_map(|it| {
-            Some(ObjectSnapshot { id: it.id, def: it.lifted.def.clone(), pose: self.place_of_stuck(it)? })
-        })
-    }
-
-    /// Returns the pose of an object, be it stuck to a robot.
-    pub(super) fn place_of(&self, id: ObjectId) -> Option<Pose> {
-        let stuck = || self.place_of_stuck(self.stuck.iter().find(|stuck| stuck.id == id)?);
-        self.physics.object(id).or_else(stuck)
-    }
-
-    fn place_of_stuck(&self, stuck: &Stuck) -> Option<Pose> {
-        let vacuum = self.robot(stuck.robot)?.vacuums.get(stuck.vacuum)?;
-        Some(self.carrier(stuck.robot, vacuum.link)?.pose * stuck.fixed.solid.pose())
+    /// Puts down the objects that a robot's vacuums hold, by the numbers of the vacuums.
+    fn put_down_where(&mut self, robot: PawnId, is_meant: impl Fn(usize) -> bool) {
+        let own = self
+            .attached
+            .take_where(|it| it.robot == robot && matches!(it.hand, Some(Hand::Vacuum(number)) if is_meant(number)));
+        own.into_iter().for_each(|it| self.put_down(it));
     }
 }
 
-/// True if one of a robot's tool changers holds a tool.
-fn holds(tools: &[Tool], robot: PawnId, name: &str) -> bool {
-    tools.iter().any(|tool| tool.robot == robot && tool.changer.is_some() && is_named(tool, name))
+/// True if it is a tool with this name that a tool changer holds.
+fn is_held_as(attachment: &Attachment, name: &str) -> bool {
+    matches!(attachment.hand, Some(Hand::Changer(_))) && is_named(attachment, name)
 }
 
 /// True if a tool has a name, in any case.
-fn is_named(tool: &Tool, name: &str) -> bool {
+fn is_named(tool: &Attachment, name: &str) -> bool {
     tool.name().eq_ignore_ascii_case(name)
 }

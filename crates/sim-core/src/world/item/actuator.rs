@@ -7,8 +7,9 @@ use gamebots_proto::message::{
 use nalgebra::Vector3;
 use scene::{Actuator, Joint, JointKind, RobotDef};
 
-use super::{Effect, Hands, Motion, Order, Report, Verbs, View};
+use super::{Effect, Motion, Order, Report, Verbs, View};
 use crate::sensor::floats;
+use crate::world::held::Attachments;
 
 /// USARSim's torque units in 1 N m.
 const TORQUE_UNIT: f64 = 5.0;
@@ -93,7 +94,7 @@ impl Verbs for Item {
         }))
     }
 
-    fn report(&mut self, view: &View, _hands: &Hands) -> Option<Report> {
+    fn report(&mut self, view: &View, _: &Attachments) -> Option<Report> {
         let states = view.joints();
         let joint = |(link, &number): (usize, &usize)| {
             let state = states.get(view.robot.value_of(number)?)?;

@@ -6,7 +6,8 @@ use gamebots_proto::message::{Eff, GripperConf, ItemConf, ItemGeo, Message, Moun
 use nalgebra::Vector3;
 use scene::{Gripper, RobotDef};
 
-use super::{Effect, Hands, Motion, Order, Report, State, Verbs, View, mounted};
+use super::{Effect, Motion, Order, Report, State, Verbs, View, mounted};
+use crate::world::held::Attachments;
 
 #[derive(Clone)]
 pub(crate) struct Item {
@@ -60,7 +61,7 @@ impl Verbs for Item {
         Some(ItemGeo::Mounted(MountedGeo { tip: Some([0.0; 3]), ..mounted(robot, name, carrier, middle, [0.0; 3]) }))
     }
 
-    fn report(&mut self, view: &View, _hands: &Hands) -> Option<Report> {
+    fn report(&mut self, view: &View, _: &Attachments) -> Option<Report> {
         let (time, name, closed) = (view.time as f32, self.def.name.clone(), self.closed);
         Some(Message::Eff(Eff { time, is_tool_changer: false, name, closed, tool_type: None, tool: None }).into())
     }

@@ -5,8 +5,9 @@ use gamebots_proto::message::{ItemConf, ItemGeo};
 use rand_chacha::ChaCha8Rng;
 use scene::{RobotDef, Sensed, SensorDef};
 
-use super::{Effect, Hands, Report, State, Verbs, View, mounted};
+use super::{Effect, Report, State, Verbs, View, mounted};
 use crate::sensor::{self, Mounted};
+use crate::world::held::Attachments;
 
 #[derive(Clone)]
 pub(crate) struct Item {
@@ -62,7 +63,7 @@ impl Verbs for Item {
         Some(ItemGeo::Mounted(mounted(robot, name, *link, (*position).into(), *direction)))
     }
 
-    fn report(&mut self, view: &View, _hands: &Hands) -> Option<Report> {
+    fn report(&mut self, view: &View, _: &Attachments) -> Option<Report> {
         self.sense(view).map(Report::Sensed)
     }
 

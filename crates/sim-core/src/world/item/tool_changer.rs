@@ -5,8 +5,8 @@ use gamebots_proto::command::Set;
 use gamebots_proto::message::{Eff, ItemConf, ItemGeo, Message, ToolChangerConf};
 use scene::{RobotDef, ToolChanger};
 
-use super::{Effect, Hand, Hands, Motion, Report, Verbs, View, mounted};
-use crate::world::tools;
+use super::{Effect, Motion, Report, Verbs, View, mounted};
+use crate::world::held::{Attachments, Hand};
 
 #[derive(Clone)]
 pub(crate) struct Item {
@@ -46,14 +46,14 @@ impl Verbs for Item {
         Some(ItemGeo::Mounted(mounted(robot, name, *link, (*position).into(), *direction)))
     }
 
-    fn report(&mut self, view: &View, hands: &Hands) -> Option<Report> {
-        let tool = tools::held(hands.tools, view.id, self.number);
+    fn report(&mut self, view: &View, held: &Attachments) -> Option<Report> {
+        let tool = held.of(view.id, Hand::Changer(self.number));
         let state = Eff {
             time: view.time as f32,
             is_tool_changer: true,
             name: self.def.name.clone(),
             closed: tool.is_some(),
-            tool_type: tool.map(|tool| tool.kind().to_owned()),
+            tool_type: tool.and_then(|tool| tool.kind()).map(str::to_owned),
             tool: tool.map(|tool| tool.name().to_owned()),
         };
         Some(Message::Eff(state).into())

@@ -6,7 +6,8 @@ use gamebots_proto::message::{Eff, GripperConf, ItemConf, ItemGeo, Message, Moun
 use nalgebra::Vector3;
 use scene::{RobotDef, Vacuum};
 
-use super::{Effect, Hand, Hands, Motion, Report, Verbs, View, mounted};
+use super::{Effect, Motion, Report, Verbs, View, mounted};
+use crate::world::held::{Attachments, Hand};
 
 #[derive(Clone)]
 pub(crate) struct Item {
@@ -53,8 +54,8 @@ impl Verbs for Item {
     }
 
     /// Reports `CLOSED` while an object sticks to it. As in the original it is open again when it loses that (Vacuum.uc:110-127).
-    fn report(&mut self, view: &View, hands: &Hands) -> Option<Report> {
-        let closed = hands.stuck.iter().any(|stuck| stuck.robot == view.id && stuck.vacuum == self.number);
+    fn report(&mut self, view: &View, held: &Attachments) -> Option<Report> {
+        let closed = held.of(view.id, Hand::Vacuum(self.number)).is_some();
         let (time, name) = (view.time as f32, self.def.name.clone());
         Some(Message::Eff(Eff { time, is_tool_changer: false, name, closed, tool_type: None, tool: None }).into())
     }
