@@ -19,8 +19,6 @@ const MAX_ROBOTS: usize = 16;
 const MAX_INTERVAL: f64 = 1.0;
 /// Longest episode, s.
 const MAX_SECONDS: f64 = 3600.0;
-/// Farthest start and goal from the origin of the map, m.
-const REACH: f64 = 1000.0;
 
 /// A task file that cannot be played.
 #[derive(Debug, thiserror::Error)]
@@ -253,7 +251,7 @@ impl TaskFile {
         for (name, range) in
             ranges.flat_map(|(name, range)| range.map(|range| (name, range))).chain([("start.yaw", self.start.yaw)])
         {
-            check_range(name, range, -REACH, REACH)?;
+            check::within(name, range, check::GOAL_REACH).map_or(Ok(()), Err)?;
         }
         if let Some(ObjectSpec { size, mass, .. }) = &self.object {
             size.iter().flatten().try_for_each(|&edge| within("object.size", edge, 0.001, 10.0))?;
@@ -382,12 +380,4 @@ pub(crate) fn height(object: &Object) -> f64 {
         Shape::Ball { radius } => 2.0 * radius,
         _ => 0.0,
     }
-}
-
-/// Checks that a range is ordered and within bounds.
-fn check_range(name: &str, [low, high]: [f64; 2], least: f64, most: f64) -> Result<(), String> {
-    if low >= least && high <= most && low <= high {
-        return Ok(());
-    }
-    Err(format!("{name}: got {low} to {high}, expected a range within {least} to {most}"))
 }

@@ -15,7 +15,7 @@ mod shape;
 use std::fmt;
 
 use crate::WorldDef;
-pub use goal::goal;
+pub use goal::{goal, within};
 pub use league::{league, scored_goal, team, victim_rule};
 pub use limits::*;
 pub use map::{conveyor, map, map_solid, material, named_pose, object, smoke, sound, spawned_object, tag, victim};

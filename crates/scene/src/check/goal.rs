@@ -76,8 +76,8 @@ fn at_point(key: &str, object: Option<&String>, target: [[f64; 2]; 2], tolerance
     wrong.extend(within(&format!("{key}.tolerance"), [tolerance; 2], TOLERANCE));
 }
 
-/// Describes a range of numbers that is not ordered or not within another one.
-fn within(key: &str, [low, high]: [f64; 2], Range { least, most, .. }: Range) -> Option<String> {
+/// Describes a range of numbers that is not ordered or not within another one; `None` if it is good.
+pub fn within(key: &str, [low, high]: [f64; 2], Range { least, most, .. }: Range) -> Option<String> {
     let is_good = low >= least && high <= most && low <= high;
     (!is_good).then(|| format!("{key}: got {low} to {high}, expected a range within {least} to {most}"))
 }
