@@ -12,6 +12,7 @@ import { connectClient, program, root, startServer, until } from './server.mjs';
 const { module: logs } = await runnerImport(join(root, 'viewer/src/log/index.ts'));
 const { module: lz4 } = await runnerImport(join(root, 'viewer/src/log/lz4.ts'));
 const { module: mcap } = await runnerImport(join(root, 'viewer/src/log/mcap.ts'));
+const { module: messages } = await runnerImport(join(root, 'viewer/src/log/messages.ts'));
 const { Source } = (await runnerImport(join(root, 'viewer/src/log/source.ts'))).module;
 const old = join(root, 'crates/logbook/tests/logs/before-trees.mcap');
 
@@ -114,6 +115,26 @@ function assertSame(frame, rows) {
     assert.ok(Math.abs(size(robot.angular) - size([row.wx, row.wy, row.wz])) < 1e-12);
   });
 }
+
+test('a message that is cut off is refused and a whole one is read', () => {
+  // A line: connection 300, robot 1, text "abc", and a field of the future.
+  const line = [8, 0xac, 2, 16, 1, 26, 3, 97, 98, 99, 0x7d, 1, 2, 3, 4];
+  const read = (bytes) => messages.readLine(Uint8Array.from(bytes));
+  assert.deepEqual(read(line), { connection: 300, robot: 1, line: 'abc' });
+  for (const [bytes, reason] of [
+    [line.slice(0, 1), /more than 10 bytes|too short/],
+    [line.slice(0, 2), /more than 10 bytes|too short/],
+    [line.slice(0, 9), /too short/],
+    [line.slice(0, 13), /too short/],
+    [[26, 0xff, 0xff, 0xff, 0xff, 15, 97], /too short/],
+    [[0x3f, 0], /Unimplemented type/],
+  ]) {
+    assert.throws(() => read(bytes), reason, `${bytes}`);
+  }
+  // A packed field that claims more numbers than there are.
+  assert.throws(() => messages.readRanges(Uint8Array.of(50, 0xff, 0xff, 3, 0, 0)), /too short/);
+  assert.deepEqual(messages.readRanges(Uint8Array.of(50, 8, 0, 0, 0, 0, 0, 0, 0xf0, 63)), [1]);
+});
 
 test('a frame is what the program says of its time', async () => {
   const log = await open(path);

@@ -1,75 +1,58 @@
-/** Protobuf's wire format (protobuf.dev/programming-guides/encoding), as far as a log's messages need it. */
+/** Fields of a log's messages, by pbf. It reads beyond the end of a message without an error, so ends are checked here. */
 
-const decoder = new TextDecoder();
+import { PbfReader } from 'pbf';
+
+/** Kind of a field with a length before its bytes. */
+const WITH_LENGTH = 2;
 
 export class Fields {
-  /** Number of the field that was found. */
-  field = 0;
-  private kind = 0;
-  private at = 0;
-  private readonly view: DataView;
+  private readonly pbf: PbfReader;
 
-  constructor(private readonly bytes: Uint8Array) {
-    this.view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-  }
-
-  /** Finds the next field, of which the value is to be read, or skipped. */
-  next(): boolean {
-    if (this.at >= this.bytes.length) return false;
-    const tag = this.varint();
-    [this.field, this.kind] = [Math.floor(tag / 8), tag % 8];
-    return true;
+  constructor(bytes: Uint8Array) {
+    this.pbf = new PbfReader(bytes);
   }
 
   /** Exact up to 2^53. */
   varint(): number {
-    let value = 0;
-    for (let factor = 1; factor < 2 ** 70; factor *= 128) {
-      const byte = this.view.getUint8(this.take(1));
-      value += (byte & 127) * factor;
-      if (byte < 128) return value;
-    }
-    throw new Error('a message with a number of more than 10 bytes');
-  }
-
-  double(): number {
-    return this.view.getFloat64(this.take(8), true);
+    return this.checked(this.pbf.readVarint());
   }
 
   message(): Uint8Array {
     const length = this.varint();
-    const from = this.take(length);
-    return this.bytes.subarray(from, from + length);
+    const from = this.pbf.pos;
+    this.pbf.pos += length;
+    return this.checked(this.pbf.buf.subarray(from, from + length));
   }
 
   text(): string {
-    return decoder.decode(this.message());
+    return new TextDecoder().decode(this.message());
+  }
+
+  double(): number {
+    return this.pbf.readDouble();
   }
 
   /** Numbers of a repeated field, one or all. */
   doubles(): number[] {
-    if (this.kind === 1) return [this.double()];
-    const packed = new Fields(this.message());
-    return Array.from({ length: Math.floor(packed.bytes.length / 8) }, () => packed.double());
+    if (this.pbf.type !== WITH_LENGTH) return [this.double()];
+    const packed = this.message();
+    const numbers = new Fields(packed);
+    return Array.from({ length: Math.floor(packed.length / 8) }, () => numbers.double());
   }
 
-  skip(): void {
-    if (this.kind === 0) this.varint();
-    else if (this.kind === 1) this.take(8);
-    else if (this.kind === 2) this.message();
-    else if (this.kind === 5) this.take(4);
-    else throw new Error(`a message with a field of kind ${this.kind}`);
+  /** Reads each field by the function of its number; others are skipped. */
+  each(read: Record<number, (fields: Fields) => void>): void {
+    for (let field = this.pbf.nextField(); field; field = this.pbf.nextField()) read[field]?.(this);
+    this.checked(undefined);
   }
 
-  private take(count: number): number {
-    if (count > this.bytes.length - this.at) throw new Error('a message is too short');
-    this.at += count;
-    return this.at - count;
+  private checked<T>(value: T): T {
+    if (this.pbf.pos > this.pbf.length) throw new Error('a message is too short');
+    return value;
   }
 }
 
-/** Reads each field by the function of its number; others are skipped. */
+/** Reads each field of a message by the function of its number; others are skipped. */
 export function eachField(bytes: Uint8Array, read: Record<number, (fields: Fields) => void>): void {
-  const fields = new Fields(bytes);
-  while (fields.next()) (read[fields.field] ?? ((it) => it.skip()))(fields);
+  new Fields(bytes).each(read);
 }
