@@ -1,12 +1,12 @@
 //! Serves a world to Gamebots clients: the only crate with sockets and a clock.
 //!
 //! ```text
-//! socket -> connection (bytes to commands) --Event, one a client--> world thread (sessions, pacing, steps)
+//! socket -> connection (bytes to commands) --Event, one a client--> world thread (`served_world`)
 //!                ^                                                       |
 //!                +------------------- outbox (bounded) <-----------------+
 //! ```
 //!
-//! One thread owns the world and everything in it. Connections are tasks that move bytes and read lines. No client can hold up
+//! One thread owns the world and turns the loop of `served_world`. Connections are tasks that move bytes and read lines. No client can hold up
 //! the world or another client.
 
 // This crate is the first to see input from strangers.
