@@ -189,17 +189,25 @@ impl Round {
         let Self { players, goals, reached, teams, .. } = self;
         let places: Vec<(PawnId, [f64; 2])> =
             players.keys().filter_map(|&it| Some((it, point_of(world, it)?))).collect();
+        // The object of each goal that has one, and the robot that is nearest to it: that has brought it.
+        let objects: Vec<Option<(Pose, Option<PawnId>)>> = goals
+            .iter()
+            .map(|goal| object_of(&goal.goal, world).map(|object| (object, nearest(&places, &object))))
+            .collect();
+        let has_joints = goals.iter().any(|goal| has_joints(&goal.goal));
         for (&robot, Player { place, judges, since, scans, .. }) in players {
-            for (number, (goal, judge)) in goals.iter().zip(judges).enumerate() {
+            let Some(seen) = RobotSight::of(world, robot, has_joints) else { continue };
+            let mut sight = Sight { robots: vec![seen], object: None };
+            for (number, ((goal, judge), object)) in goals.iter().zip(judges).zip(&objects).enumerate() {
                 let Some(judge) = judge.as_mut().filter(|_| !reached.contains(&(place.team, number))) else { continue };
-                let Some(mut seen) = RobotSight::of(world, robot, has_joints(&goal.goal)) else { continue };
-                seen.scan = scans.get(&number).cloned().unwrap_or_default();
-                let object = object_of(&goal.goal, world);
-                // The robot that is nearest to an object has brought it.
-                let nearest = object.as_ref().and_then(|object| nearest(&places, object));
-                let is_its = nearest.is_none_or(|nearest| nearest == robot);
-                let verdict = judge.judge(world, &Sight { robots: vec![seen], object });
-                if !verdict.is_success || !is_its {
+                if goal.goal.scanner().is_some()
+                    && let Some(seen) = sight.robots.first_mut()
+                {
+                    seen.scan = scans.get(&number).cloned().unwrap_or_default();
+                }
+                sight.object = object.map(|(pose, _)| pose);
+                let is_its = object.is_none_or(|(_, nearest)| nearest == Some(robot));
+                if !judge.judge(world, &sight).is_success || !is_its {
                     since.remove(&number);
                     continue;
                 }
