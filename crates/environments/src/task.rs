@@ -1,6 +1,7 @@
 //! Tasks for learning: which robot, on which map, with which goal. Files are `assets/tasks/<name>.toml`, or one's own.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use goals::Judge;
 use include_dir::{Dir, include_dir};
@@ -35,7 +36,7 @@ pub struct Task {
     pub(crate) file: TaskFile,
     pub(crate) scene: CompiledScene,
     /// The robot's class on the map, with the sensors that the goal uses.
-    pub(crate) robot: RobotDef,
+    pub(crate) robot: Arc<RobotDef>,
     /// Joints that actions move, by their numbers among those with a value, each with the speed at 1 and its limits.
     pub(crate) joints: Vec<(usize, f64, [f64; 2])>,
     /// Fingers of the gripper by the same numbers, each with its closed and its open position.
@@ -173,7 +174,8 @@ impl Task {
         let file: TaskFile = toml::from_str(text).map_err(|reason| error(reason.to_string().trim_end().to_owned()))?;
         file.check().map_err(error)?;
         let (def, class) = file.def(path).map_err(|reason| error(reason.to_string()))?;
-        let robot = def.robots.get(&class).cloned().ok_or_else(|| error(format!("no class {class}")))?;
+        let robot = def.robots.get(&class).cloned().map(Arc::new);
+        let robot = robot.ok_or_else(|| error(format!("no class {class}")))?;
         let joints = file.action.joints(&robot).map_err(error)?;
         let fingers = file.action.fingers(&robot).map_err(error)?;
         if file.action.twist.is_some() && sim_core::mecanum::textbook(&robot).is_none() {
@@ -293,7 +295,7 @@ impl TaskFile {
     }
 
     /// Returns the goal, which has not begun.
-    fn goal(&self, robot: &RobotDef, map: &MapDef) -> Result<Judge, String> {
+    fn goal(&self, robot: &Arc<RobotDef>, map: &MapDef) -> Result<Judge, String> {
         let Self { reach, follow, push, fetch, explore, find, zone, robots, control_interval: interval, .. } = self;
         let tables = [
             reach.clone().map(Goal::Reach),

@@ -5,6 +5,8 @@
 //! distance that the gripper came nearer to the object, m, the height that the object rose, m, the distance that the object came nearer to
 //! the point, m, and 1 when the object is there. There is one robot.
 
+use std::sync::Arc;
+
 use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
 use scene::{RobotDef, Shape, goal};
@@ -21,7 +23,7 @@ const ARRIVAL: f64 = 1.0;
 #[derive(Clone)]
 pub(crate) struct Fetch {
     settings: goal::Fetch,
-    robot: RobotDef,
+    robot: Arc<RobotDef>,
     /// Links of the fingers.
     fingers: Vec<usize>,
     /// Joints that are no wheels, among those with a value.
@@ -32,7 +34,7 @@ pub(crate) struct Fetch {
 }
 
 impl Fetch {
-    pub(crate) fn new(settings: goal::Fetch, robot: &RobotDef) -> Result<Self, String> {
+    pub(crate) fn new(settings: goal::Fetch, robot: &Arc<RobotDef>) -> Result<Self, String> {
         let gripper = robot.grippers.iter().find(|gripper| gripper.name.eq_ignore_ascii_case(&settings.gripper));
         let Some(gripper) = gripper else {
             return Err(format!("fetch.gripper: {} has no gripper `{}`", robot.class, settings.gripper));

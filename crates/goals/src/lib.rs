@@ -13,6 +13,8 @@ mod rules;
 mod sight;
 mod zone;
 
+use std::sync::Arc;
+
 use rand_chacha::ChaCha8Rng;
 use scene::goal::Goal;
 use scene::{MapDef, RobotDef};
@@ -42,7 +44,7 @@ impl Judge {
     ///
     /// # Errors
     /// When the class has no such laser or gripper, or the map no such victim.
-    pub fn new(goal: &Goal, robots: usize, interval: f64, class: &RobotDef, map: &MapDef) -> Result<Self, String> {
+    pub fn new(goal: &Goal, robots: usize, interval: f64, class: &Arc<RobotDef>, map: &MapDef) -> Result<Self, String> {
         Ok(Self(match goal.clone() {
             Goal::Reach(goal) => Played::Reach(reach::Reach::new(goal, robots, interval)),
             Goal::Follow(goal) => Played::Follow(follow::Follow::new(goal, robots, interval)),

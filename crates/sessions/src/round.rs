@@ -2,6 +2,7 @@
 //! a replay comes to the same points.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use gamebots_proto::command::Init;
 use gamebots_proto::{Problem, shown};
@@ -121,12 +122,12 @@ impl Round {
     /// Enters a robot that came into the world.
     pub(super) fn enter(&mut self, pawn: PawnId, place: Admission, init: &Init, world: &World) {
         self.began.get_or_insert(world.time());
-        let Some(class) = world.robot(pawn) else { return };
+        let Some(class) = world.robot(pawn).cloned().map(Arc::new) else { return };
         let map = &world.def().map;
         let victims = self.league.victims.map_or(0, |_| map.victims.len());
         let judge = |(number, goal): (usize, &ScoredGoal)| match &goal.goal {
             Goal::Find(find) if number < victims => Some(Judge::of_victim(number, find.radius, 1, map)),
-            goal => Judge::new(goal, 1, LOOK_INTERVAL, class, map).ok(),
+            goal => Judge::new(goal, 1, LOOK_INTERVAL, &class, map).ok(),
         };
         let mut judges: Vec<Option<Judge>> = self.goals.iter().enumerate().map(judge).collect();
         // In a league nothing is random.

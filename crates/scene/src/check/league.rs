@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::limits::{
-    LEAGUE_TIME, MAX_GOALS, MAX_LEAGUE_CELLS, MAX_LEAGUE_SIGHT, MAX_ROBOTS, MAX_STARTS, MAX_TEAMS, POINTS, SIGHT,
+    LEAGUE_TIME, MAX_GOALS, MAX_LEAGUE_CELLS, MAX_LEAGUE_POINTS, MAX_LEAGUE_SIGHT, MAX_ROBOTS, MAX_STARTS, MAX_TEAMS,
+    POINTS, SIGHT,
 };
 use super::{SceneProblem, count, first, goal, name, named_pose, shown, wire_name};
 use crate::goal::{Find, Goal, Reach};
@@ -42,14 +43,18 @@ pub fn league(def: &League) -> Vec<String> {
     if names.len() < def.goals.len() {
         wrong.push("two goals or zones have the same name: expected different names".to_owned());
     }
-    let cells = |it: &ScoredGoal| match &it.goal {
-        Goal::Explore(explore) => explore.cells().iter().product::<usize>() as f64,
-        _ => 0.0,
-    };
-    let cells: f64 = def.goals.iter().map(cells).sum();
+    let (mut cells, mut points) = (0.0, 0);
+    for it in &def.goals {
+        match &it.goal {
+            Goal::Explore(explore) => cells += explore.cells().iter().map(|&count| count as f64).product::<f64>(),
+            Goal::Follow(follow) => points += follow.points.len(),
+            Goal::Reach(_) | Goal::Push(_) | Goal::Fetch(_) | Goal::Find(_) | Goal::Zone(_) => {}
+        }
+    }
     if cells > MAX_LEAGUE_CELLS {
         wrong.push(format!("the areas to explore have {cells} cells: expected at most {MAX_LEAGUE_CELLS}"));
     }
+    wrong.extend(count("points of paths", points, MAX_LEAGUE_POINTS));
     wrong
 }
 

@@ -192,6 +192,8 @@ pub const CELL: Range = Range { least: 0.01, most: 10.0, unit: " m" };
 pub const MAX_PATH_POINTS: usize = 1000;
 /// Most cells of an explored area.
 pub const MAX_CELLS: f64 = 1e6;
+/// Most points of all paths of a league: each robot has its own.
+pub const MAX_LEAGUE_POINTS: usize = 10_000;
 /// Most cells of all explored areas of a league: each robot remembers what it has seen.
 pub const MAX_LEAGUE_CELLS: f64 = 1e5;
 /// Longest sight of an explored area of a league, in cells: a beam is looked at in steps of half a cell.
