@@ -1,7 +1,8 @@
 //! A staged defect of the world's thread, to test the report of one.
 
-use crate::subscribers::subscriber::{Moment, Shot, Subscriber};
 use served_world::Told;
+
+use crate::subscribers::subscriber::{Moment, Shot, Subscriber};
 
 /// A listener that panics.
 pub(crate) struct Defect {
