@@ -1,7 +1,10 @@
 //! Programs in the server's process: they open sessions without a socket.
 
+use std::panic::AssertUnwindSafe;
+use std::sync::mpsc::channel;
+
 use gamebots_proto::Command;
-use gamebots_server::{Ended, Session};
+use gamebots_server::{Config, Ended, Entrance, Ready, Session};
 use sessions::Answer;
 use system_tests::{Server, wait_until};
 
@@ -41,4 +44,21 @@ fn a_program_shares_the_world_with_clients_and_the_log_of_both_replays() {
     let left: Vec<_> = log.entries.iter().filter(|entry| matches!(entry.record, recorder::Record::Left(_))).collect();
     assert!(!left.is_empty());
     assert!(logbook::replay(&log).expect("a replay").is_same());
+}
+
+#[test]
+fn a_program_that_outlives_its_server_is_told() {
+    let world = scene_loader::load("rough", &[]).expect("a map");
+    let config = Config { listeners: Vec::new(), ..Config::new(world) };
+    let (send, entrance) = channel();
+    let run = || {
+        let ready = |ready: Ready| {
+            send.send(ready.entrance).expect("somebody waits");
+            panic!("the program that embeds the server fails");
+        };
+        gamebots_server::run(config, ready, std::future::pending())
+    };
+    assert!(std::panic::catch_unwind(AssertUnwindSafe(run)).is_err());
+    let entrance: Entrance = entrance.recv().expect("the way in");
+    wait_until(|| entrance.open_program("late").map_or(true, |late| order(&late, "GETSTARTPOSES").is_err()));
 }

@@ -168,6 +168,13 @@ struct Server {
     stall_timeout: Duration,
 }
 
+/// The world ends with the ports, even if a program still has a way into it.
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.entrance.stop();
+    }
+}
+
 impl Server {
     /// Serves a port until the future is dropped: the table of services.
     async fn serve_port(&self, service: Service, listener: TcpListener, clients: &mut JoinSet<()>) {
