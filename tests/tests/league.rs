@@ -240,6 +240,11 @@ fn a_goal_that_a_league_cannot_have_is_refused_by_name() {
             "have 810000 cells: expected at most 100000",
         ),
         ("find = { victim = \"office\", radius = 0.0 }", "`find.radius` is 0"),
+        ("find = { victim = \"nobody\", radius = 1.0 }", "the map rescue has no victim `nobody`: it has "),
+        (
+            "push = { object = \"crate\", target = [[1.0, 1.0], [2.0, 2.0]], tolerance = 0.2 }",
+            "the map rescue has no object `crate`: it has ",
+        ),
         ("", "expected one table of reach, follow, push, fetch, explore, find and zone"),
     ] {
         std::fs::write(&file, league(goal)).expect("a file");

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use scene::goal::{Goal, Zone};
-use scene::{League, NamedPose, ScoredGoal, Team, VictimRule, check};
+use scene::{League, MapDef, NamedPose, ScoredGoal, Team, VictimRule, check};
 use serde::Deserialize;
 
 use crate::LoadError;
@@ -153,10 +153,11 @@ fn read(
         rule
     });
     let mut starts = map_file::read_poses(&mut document, &mut root, "start");
-    starts.extend(catalogue::map(&map, &[])?.starts);
+    let map_def = catalogue::map(&map, &[])?;
+    starts.extend(map_def.starts.iter().cloned());
     let teams = read_teams(&mut document, &mut root, &starts);
     let mut goals = read_zones(&mut document, &mut root);
-    goals.extend(read_goals(&mut document, &mut root));
+    goals.extend(read_goals(&mut document, &mut root, &map_def));
     document.finish(root, KEYS);
     let Some(name) = name else { return Ok(None) };
     let league = League { name, time_limit, teams, victims, goals };
@@ -192,7 +193,7 @@ fn read_zones<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Vec<Scor
     tables.into_iter().map(zone).collect()
 }
 
-fn read_goals<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Vec<ScoredGoal> {
+fn read_goals<'a>(document: &mut Document<'a>, root: &mut Table<'a>, map: &MapDef) -> Vec<ScoredGoal> {
     let tables = document.list(root, "goal");
     let goal = |(span, GoalTable { name, points, hold, goal })| {
         let Some(goal) = goal else {
@@ -201,7 +202,8 @@ fn read_goals<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Vec<Scor
             return None;
         };
         let goal = ScoredGoal { name, points, hold, goal };
-        document.wrong(&span, check::scored_goal(&goal));
+        let missing = check::missing_on_map(&goal.goal, map);
+        document.wrong(&span, check::scored_goal(&goal).into_iter().chain(missing));
         Some(goal)
     };
     tables.into_iter().filter_map(goal).collect()

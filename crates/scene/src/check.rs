@@ -16,7 +16,7 @@ use std::fmt;
 
 use crate::WorldDef;
 pub use goal::{goal, within};
-pub use league::{league, scored_goal, team, victim_rule};
+pub use league::{league, missing_on_map, scored_goal, team, victim_rule};
 pub use limits::*;
 pub use map::{conveyor, map, map_solid, material, named_pose, object, smoke, sound, spawned_object, tag, victim};
 pub use robot::{

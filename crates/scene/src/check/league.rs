@@ -10,6 +10,9 @@ use super::{SceneProblem, count, first, goal, name, named_pose, shown, wire_name
 use crate::goal::{Find, Goal, Reach};
 use crate::{Classes, League, MapDef, NamedPose, ScoredGoal, Team, VictimRule};
 
+/// Most names that a message lists.
+const MAX_LISTED: usize = 20;
+
 pub(super) fn check_league(def: &League, map: &MapDef, robots: &Classes) -> Result<(), SceneProblem> {
     first("the league", league(def))?;
     for it in &def.teams {
@@ -20,7 +23,7 @@ pub(super) fn check_league(def: &League, map: &MapDef, robots: &Classes) -> Resu
     }
     first("the league, victims", def.victims.iter().flat_map(victim_rule))?;
     def.goals.iter().try_for_each(|it| {
-        let wrong = scored_goal(it).into_iter().chain(is_on_map(&it.goal, map));
+        let wrong = scored_goal(it).into_iter().chain(missing_on_map(&it.goal, map));
         first(&format!("the league, goal {}", shown(&it.name)), wrong)
     })
 }
@@ -107,18 +110,22 @@ pub fn scored_goal(def: &ScoredGoal) -> Vec<String> {
     wrong
 }
 
-/// Describes what a goal names and the map does not have.
-fn is_on_map(goal: &Goal, map: &MapDef) -> Option<String> {
-    let is_it = |name: &str, other: &str| name.eq_ignore_ascii_case(other);
-    if let Some(name) = goal.object()
-        && !map.objects.iter().any(|object| is_it(name, &object.solid.name))
-    {
-        return Some(format!("the map {} has no object `{}`", map.name, shown(name)));
-    }
-    match goal {
-        Goal::Find(Find { victim, .. }) if !map.victims.iter().any(|it| is_it(victim, &it.name)) => {
-            Some(format!("the map {} has no victim `{}`", map.name, shown(victim)))
+/// Describes what a goal names and the map does not have; `None` if the map has all.
+pub fn missing_on_map(goal: &Goal, map: &MapDef) -> Option<String> {
+    let (what, name, known): (_, _, Vec<&str>) = match (goal, goal.object()) {
+        (_, Some(name)) => ("object", name, map.objects.iter().map(|object| object.solid.name.as_str()).collect()),
+        (Goal::Find(Find { victim, .. }), None) => {
+            ("victim", victim.as_str(), map.victims.iter().map(|victim| victim.name.as_str()).collect())
         }
-        _ => None,
+        (
+            Goal::Reach(_) | Goal::Follow(_) | Goal::Push(_) | Goal::Fetch(_) | Goal::Explore(_) | Goal::Zone(_),
+            None,
+        ) => return None,
+    };
+    if known.iter().any(|it| it.eq_ignore_ascii_case(name)) {
+        return None;
     }
+    let listed: Vec<String> = known.iter().take(MAX_LISTED).map(|it| shown(it)).collect();
+    let more = if known.len() > MAX_LISTED { " .." } else { "" };
+    Some(format!("the map {} has no {what} `{}`: it has {}{more}", map.name, shown(name), listed.join(", ")))
 }
