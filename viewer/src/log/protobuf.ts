@@ -5,6 +5,8 @@ import { PbfReader } from 'pbf';
 /** Kind of a field with a length before its bytes. */
 const WITH_LENGTH = 2;
 
+const decoder = new TextDecoder();
+
 export class Fields {
   private readonly pbf: PbfReader;
 
@@ -25,7 +27,7 @@ export class Fields {
   }
 
   text(): string {
-    return new TextDecoder().decode(this.message());
+    return decoder.decode(this.message());
   }
 
   double(): number {
