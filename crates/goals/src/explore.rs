@@ -7,9 +7,8 @@
 use std::sync::Arc;
 
 use rand_chacha::ChaCha8Rng;
-use scene::sensor::{Config, Fan};
+use scene::sensor::Fan;
 use scene::{RobotDef, goal};
-
 use sim_core::World;
 
 use crate::rules::{Rules, Verdict};
@@ -40,11 +39,7 @@ impl Explore {
         let Some(sensor) = known else {
             return Err(format!("explore.scanner: {} has no sensor `{scanner}`", robot.class));
         };
-        let (Config::RangeScanner(laser)
-        | Config::Sick(laser)
-        | Config::HokuyoUrg04Lx(laser)
-        | Config::IrScanner(laser)) = &sensor.config
-        else {
+        let Some(laser) = sensor.config.laser() else {
             return Err(format!(
                 "explore.scanner: `{scanner}` is of class {}, expected a laser",
                 sensor.config.class()

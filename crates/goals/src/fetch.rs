@@ -10,14 +10,10 @@ use std::sync::Arc;
 use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
 use scene::{RobotDef, Shape, goal};
-
 use sim_core::World;
 
-use crate::rules::{Rules, Verdict};
+use crate::rules::{ARRIVAL, Rules, Verdict};
 use crate::sight::{Place, RobotSight, Sight, distance, draw};
-
-/// Reward of the arrival.
-const ARRIVAL: f64 = 1.0;
 
 /// The goal as it is played.
 #[derive(Clone)]

@@ -8,11 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use scene::{MapDef, goal};
 use sim_core::World;
 
-use crate::rules::{Rules, Verdict};
-use crate::sight::{RobotSight, Sight};
-
-/// Reward of the find.
-const ARRIVAL: f64 = 1.0;
+use crate::rules::{Rules, Verdict, approached};
+use crate::sight::Sight;
 
 /// The goal as it is played.
 #[derive(Clone)]
@@ -47,10 +44,8 @@ impl Find {
         })
     }
 
-    fn distance(&self, robot: &RobotSight) -> f64 {
-        let position: [f64; 3] = robot.pose.translation.vector.into();
-        let way = [0, 1, 2].map(|axis| position[axis] - self.pelvis[axis]);
-        way.iter().map(|it| it * it).sum::<f64>().sqrt()
+    fn distances(&self, sight: &Sight) -> Vec<f64> {
+        sight.robots.iter().map(|robot| robot.distance_from(self.pelvis)).collect()
     }
 }
 
@@ -60,7 +55,7 @@ impl Rules for Find {
     }
 
     fn begin(&mut self, sight: &Sight, _: &mut ChaCha8Rng) {
-        self.distances = sight.robots.iter().map(|robot| self.distance(robot)).collect();
+        self.distances = self.distances(sight);
         self.is_found.fill(false);
     }
 
@@ -73,13 +68,12 @@ impl Rules for Find {
     }
 
     fn judge(&mut self, world: &mut World, sight: &Sight) -> Verdict {
-        let now: Vec<f64> = sight.robots.iter().map(|robot| self.distance(robot)).collect();
+        let now = self.distances(sight);
         for ((is_found, robot), &distance) in self.is_found.iter_mut().zip(&sight.robots).zip(&now) {
             *is_found = distance <= self.radius && world.sees(robot.id, self.victim);
         }
-        let nearer = self.distances.iter().zip(&now).map(|(before, now)| before - now);
-        let rewards = nearer.zip(&self.is_found).map(|(nearer, &found)| nearer + if found { ARRIVAL } else { 0.0 });
-        let (rewards, is_success) = (rewards.collect(), self.is_found.contains(&true));
+        let rewards = approached(&self.distances, &now, &self.is_found);
+        let is_success = self.is_found.contains(&true);
         self.distances = now;
         Verdict { rewards, is_over: is_success, is_success }
     }

@@ -6,16 +6,13 @@
 
 use rand_chacha::ChaCha8Rng;
 use scene::goal;
-
 use sim_core::World;
 
-use crate::rules::{Rules, Verdict};
+use crate::rules::{ARRIVAL, Rules, Verdict};
 use crate::sight::{Sight, distance, draw};
 
 /// Number of points ahead that a robot observes.
 const AHEAD: usize = 3;
-/// Reward at the end of the path.
-const ARRIVAL: f64 = 1.0;
 
 /// The goal as it is played.
 #[derive(Clone)]

@@ -6,16 +6,13 @@
 
 use rand_chacha::ChaCha8Rng;
 use scene::goal;
-
 use sim_core::World;
 
-use crate::rules::{Rules, Verdict};
+use crate::rules::{ARRIVAL, Rules, Verdict};
 use crate::sight::{Place, Sight, distance, draw};
 
 /// Reward for coming nearer to the object, of that for the object's coming nearer to the point.
 const APPROACH: f64 = 0.1;
-/// Reward of the arrival.
-const ARRIVAL: f64 = 1.0;
 
 /// The goal as it is played.
 #[derive(Clone)]

@@ -5,16 +5,13 @@
 
 use rand_chacha::ChaCha8Rng;
 use scene::goal;
-
 use sim_core::World;
 
-use crate::rules::{Rules, Verdict};
+use crate::rules::{ARRIVAL, Rules, Verdict};
 use crate::sight::{Sight, distance, draw};
 
 /// Penalty of time, 1/s.
 const HASTE: f64 = 0.2;
-/// Reward of the arrival.
-const ARRIVAL: f64 = 1.0;
 
 /// The goal as it is played.
 #[derive(Clone)]

@@ -5,6 +5,9 @@ use sim_core::World;
 
 use crate::sight::Sight;
 
+/// Reward of a robot that reaches its goal.
+pub(crate) const ARRIVAL: f64 = 1.0;
+
 /// The result of one interval for the robots of a world.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
@@ -29,4 +32,10 @@ pub(crate) trait Rules {
 
     /// Judges an interval.
     fn judge(&mut self, world: &mut World, sight: &Sight) -> Verdict;
+}
+
+/// Returns the rewards of robots for the distances that they came nearer, m, and for being there.
+pub(crate) fn approached(before: &[f64], now: &[f64], are_there: &[bool]) -> Vec<f64> {
+    let nearer = before.iter().zip(now).map(|(before, now)| before - now);
+    nearer.zip(are_there).map(|(nearer, &is_there)| nearer + if is_there { ARRIVAL } else { 0.0 }).collect()
 }

@@ -42,6 +42,13 @@ impl RobotSight {
         let velocity = [forward, right, body.angular.z];
         Some(Self { id, pose: body.pose, place, velocity, joints, scan: Vec::new() })
     }
+
+    /// Returns its distance from a point of the world, m.
+    pub(crate) fn distance_from(&self, point: [f64; 3]) -> f64 {
+        let position: [f64; 3] = self.pose.translation.vector.into();
+        let way = [0, 1, 2].map(|axis| position[axis] - point[axis]);
+        way.iter().map(|it| it * it).sum::<f64>().sqrt()
+    }
 }
 
 /// A place on the floor.

@@ -3,16 +3,13 @@
 //! A robot observes the middle of the box in its own frame (3), and its velocities (3). The reward is the distance that it came nearer to
 //! the middle, m, and 1 when it is inside. All robots have to be.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
 use scene::goal;
 use sim_core::World;
 
-use crate::rules::{Rules, Verdict};
-use crate::sight::{RobotSight, Sight};
-
-/// Reward of the arrival.
-const ARRIVAL: f64 = 1.0;
+use crate::rules::{Rules, Verdict, approached};
+use crate::sight::Sight;
 
 /// The goal as it is played.
 #[derive(Clone)]
@@ -26,8 +23,8 @@ impl Zone {
         Self { settings, distances: vec![0.0; robots] }
     }
 
-    fn distance(&self, robot: &RobotSight) -> f64 {
-        (robot.pose.translation.vector - Vector3::from(self.settings.position)).norm()
+    fn distances(&self, sight: &Sight) -> Vec<f64> {
+        sight.robots.iter().map(|robot| robot.distance_from(self.settings.position)).collect()
     }
 }
 
@@ -37,7 +34,7 @@ impl Rules for Zone {
     }
 
     fn begin(&mut self, sight: &Sight, _: &mut ChaCha8Rng) {
-        self.distances = sight.robots.iter().map(|robot| self.distance(robot)).collect();
+        self.distances = self.distances(sight);
     }
 
     fn observe(&self, sight: &Sight, robot: usize, push: &mut dyn FnMut(f64)) {
@@ -47,12 +44,11 @@ impl Rules for Zone {
     }
 
     fn judge(&mut self, _: &mut World, sight: &Sight) -> Verdict {
-        let now: Vec<f64> = sight.robots.iter().map(|robot| self.distance(robot)).collect();
+        let now = self.distances(sight);
         let inside = sight.robots.iter().map(|robot| self.settings.contains(robot.pose.translation.vector.into()));
         let inside: Vec<bool> = inside.collect();
-        let nearer = self.distances.iter().zip(&now).map(|(before, now)| before - now);
-        let rewards = nearer.zip(&inside).map(|(nearer, &inside)| nearer + if inside { ARRIVAL } else { 0.0 });
-        let (rewards, is_success) = (rewards.collect(), inside.iter().all(|&it| it));
+        let rewards = approached(&self.distances, &now, &inside);
+        let is_success = inside.iter().all(|&it| it);
         self.distances = now;
         Verdict { rewards, is_over: is_success, is_success }
     }

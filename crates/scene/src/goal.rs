@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A goal. In a file it is one table: `[goal.reach]`.
+/// A goal. A task has one as a table, `[reach]`; a league has any number, each in a `[[goal]]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Goal {
@@ -144,6 +144,11 @@ impl Goal {
 }
 
 impl Explore {
+    /// Returns the number of all cells. It may be too large for an integer.
+    pub fn cell_count(&self) -> f64 {
+        self.cells().iter().map(|&count| count as f64).product()
+    }
+
     /// Returns the number of cells along x and y.
     pub fn cells(&self) -> [usize; 2] {
         self.area.map(|[low, high]| ((high - low) / self.cell).ceil().max(1.0) as usize)

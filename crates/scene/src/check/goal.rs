@@ -46,8 +46,7 @@ pub fn goal(def: &Goal) -> Vec<String> {
             wrong.extend(within("explore.sight", [*sight; 2], Range { least: *cell, ..FAR }));
             wrong.extend(within("explore.part", [*part; 2], SHARE));
             if wrong.is_empty() {
-                let [x, y] = explore.cells();
-                let cells = x as f64 * y as f64;
+                let cells = explore.cell_count();
                 if cells > MAX_CELLS {
                     wrong.push(format!("explore.cell: got {cells} cells, expected at most {MAX_CELLS}"));
                 }
