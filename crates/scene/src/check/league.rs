@@ -10,9 +10,6 @@ use super::{SceneProblem, count, first, goal, name, named_pose, shown, wire_name
 use crate::goal::{Find, Goal, Reach};
 use crate::{Classes, League, MapDef, NamedPose, ScoredGoal, Team, VictimRule};
 
-/// Most names that a message lists.
-const MAX_LISTED: usize = 20;
-
 pub(super) fn check_league(def: &League, map: &MapDef, robots: &Classes) -> Result<(), SceneProblem> {
     first("the league", league(def))?;
     for it in &def.teams {
@@ -49,7 +46,7 @@ pub fn league(def: &League) -> Vec<String> {
     let (mut cells, mut points) = (0.0, 0);
     for it in &def.goals {
         match &it.goal {
-            Goal::Explore(explore) => cells += explore.cells().iter().map(|&count| count as f64).product::<f64>(),
+            Goal::Explore(explore) => cells += explore.cell_count(),
             Goal::Follow(follow) => points += follow.points.len(),
             Goal::Reach(_) | Goal::Push(_) | Goal::Fetch(_) | Goal::Find(_) | Goal::Zone(_) => {}
         }
@@ -125,7 +122,5 @@ pub fn missing_on_map(goal: &Goal, map: &MapDef) -> Option<String> {
     if known.iter().any(|it| it.eq_ignore_ascii_case(name)) {
         return None;
     }
-    let listed: Vec<String> = known.iter().take(MAX_LISTED).map(|it| shown(it)).collect();
-    let more = if known.len() > MAX_LISTED { " .." } else { "" };
-    Some(format!("the map {} has no {what} `{}`: it has {}{more}", map.name, shown(name), listed.join(", ")))
+    Some(format!("the map {} has no {what} `{}`: it has {}", map.name, shown(name), names::listed(known)))
 }
