@@ -217,7 +217,7 @@ impl World {
             return self.spawn_avatar(class, name, &wanted).map_err(refuse).ok();
         }
         let class = self.class(init, problems)?;
-        let (mut tools, class) = match self.outfit(&class) {
+        let (tools, class) = match self.outfit(&class) {
             Ok(outfit) => outfit,
             Err(why) => {
                 problems.push(Problem::NoRoom { wanted: wire_place(init), why });
@@ -246,7 +246,7 @@ impl World {
         self.robots.insert(id, robot);
         self.give_tiles(id);
         self.next_object += tools.len() as u64;
-        tools.take_where(|_| true).into_iter().for_each(|tool| self.attached.add(tool));
+        self.attached.append(tools);
         Some(id)
     }
 

@@ -110,6 +110,11 @@ impl Attachments {
         self.0.push(attachment);
     }
 
+    /// Adds all of others.
+    pub(super) fn append(&mut self, others: Self) {
+        self.0.extend(others.0);
+    }
+
     /// Removes and returns an object.
     pub(super) fn take(&mut self, id: ObjectId) -> Option<Attachment> {
         let place = self.0.iter().position(|it| it.id == id)?;
