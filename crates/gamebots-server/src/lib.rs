@@ -6,8 +6,8 @@
 //!                +------------------- outbox (bounded) <-----------------+
 //! ```
 //!
-//! One thread owns the world and turns the loop of `served_world`. Connections are tasks that move bytes and read lines. No client can hold up
-//! the world or another client.
+//! One thread owns the world and turns the loop of `served_world`. Connections are tasks that move bytes and read lines. No client can
+//! hold up the world or another client.
 
 // This crate is the first to see input from strangers.
 #![warn(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used)]
@@ -41,7 +41,6 @@ pub mod fuzzing {
     use std::time::Instant;
 
     use axum::http::{HeaderMap, HeaderValue, header};
-
     use page_protocol::{Control, Request};
     use served_world::Pace;
     use sim_core::World;

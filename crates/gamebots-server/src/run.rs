@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use futures_util::future::join_all;
 use page_protocol::About;
-use served_world::{Entrance, Inquiry, Kind};
+use served_world::{Entrance, Kind};
 use sim_core::World;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
@@ -202,11 +202,11 @@ impl Server {
                 accept::accept(clients, listener, Limit::Elsewhere, next, serve).await;
             }
             Service::Truth => {
-                let serve = |accepted| truth::converse(self.inquiry(Kind::Truth), accepted, stall);
+                let serve = |accepted| truth::converse(self.entrance.guest(Kind::Truth), accepted, stall);
                 accept_logins(clients, listener, wait(limits.truth), self.logins(&[Role::Viewer]), serve).await;
             }
             Service::Positions => {
-                let serve = |accepted| positions::converse(self.inquiry(Kind::Positions), accepted, stall);
+                let serve = |accepted| positions::converse(self.entrance.guest(Kind::Positions), accepted, stall);
                 accept_logins(clients, listener, wait(limits.positions), self.logins(&[Role::Viewer]), serve).await;
             }
             Service::Images => {
@@ -230,10 +230,6 @@ impl Server {
 
     fn logins(&self, wanted: &'static [Role]) -> LoginQueue {
         LoginQueue::new(self.door.clone(), wanted, false)
-    }
-
-    fn inquiry(&self, kind: Kind) -> Inquiry {
-        self.entrance.guest(kind)
     }
 }
 

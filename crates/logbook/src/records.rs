@@ -4,7 +4,8 @@ use recorder::{Record, WireLine};
 use scene::PawnId;
 use sessions::{News, SessionId};
 
-/// Returns the record of news; `None` for arrivals, which an INIT line records, and for problems, of which [`sessions::Mistakes`] has the warnings.
+/// Returns the record of news; `None` for arrivals, which an INIT line records, and for problems, of which [`sessions::Mistakes`] has the
+/// warnings.
 pub fn record(news: &News) -> Option<Record> {
     let line = |connection: SessionId, pawn: Option<PawnId>, line: &str| WireLine {
         connection,

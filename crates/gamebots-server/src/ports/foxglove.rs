@@ -15,8 +15,8 @@ use crate::error::ServeError;
 use crate::ports::gate::{Gate, hidden_address};
 use crate::subscribers::foxglove::{self as server, FoxgloveServer};
 
-/// Starts Foxglove's server, and returns it with the gate before it, for so many clients at once. Their requests go in by `entrance`; without it, no
-/// services are offered.
+/// Starts Foxglove's server, and returns it with the gate before it, for so many clients at once. Their requests go in by `entrance`;
+/// without it, no services are offered.
 pub(crate) async fn start(
     host: &str,
     most: usize,

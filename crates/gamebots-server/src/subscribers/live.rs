@@ -1,7 +1,7 @@
 //! Live data for viewers. The world's thread makes each message once for all viewers, and no frames while nobody watches.
 //!
-//! The channels differ in what a slow viewer misses. It gets only the newest frame (see [`page_protocol::frame`]) and [`Status`]. It gets every text, and
-//! every [`Line`] of the wire and the readings of robots ([`Measured`]) if it wants them. If it falls too far behind, it is told how many it
+//! The channels differ in what a slow viewer misses. It gets only the newest frame (see [`page_protocol::frame`]) and [`Status`]. It gets
+//! every text, and every [`Line`] of the wire and the readings of robots ([`Measured`]) if it wants them. If it falls too far behind, it is told how many it
 //! missed. It misses scans and pictures silently. A viewer that takes nothing for half a minute is dropped.
 
 use std::collections::BTreeMap;

@@ -91,8 +91,8 @@ impl Audience for Publisher {
 
     fn publish(&mut self, world: &World, status: &mut dyn FnMut() -> Status) {
         if let Some(due) = self.live.due(self.now) {
-            let recording = self.log.path().map(|path| path.display().to_string());
-            let status = due.status.then(|| Status { recording, ..status() });
+            let recording = || self.log.path().map(|path| path.display().to_string());
+            let status = due.status.then(|| Status { recording: recording(), ..status() });
             self.live.publish(self.now, world.def(), &self.present.of(world), status);
         }
         self.notices(world, |subscriber, moment| subscriber.publish(moment));
