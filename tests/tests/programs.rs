@@ -47,6 +47,41 @@ fn a_program_shares_the_world_with_clients_and_the_log_of_both_replays() {
 }
 
 #[test]
+fn a_program_orders_the_robot_of_a_client_and_the_log_replays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.mcap");
+    let server = Server::start("rough", &[], |config| config.log = Some(path.clone()));
+    let mut client = server.client();
+    client.send("INIT {ClassName USARBot.P3AT} {Name R1} {Location 0,0,0}");
+    let ([before, ..], _) = client.ground_truth();
+    let program = server.entrance.open_program("autopilot").expect("a world");
+    // The program has a robot of its own, which the order does not reach.
+    let own = order(&program, "INIT {ClassName USARBot.P3AT} {Name R2} {Location 3,0,0}").expect("an answer").spawned;
+    let drive = Command::parse("DRIVE {Left 3} {Right 3}", &mut Vec::new()).expect("a command");
+    let runtime = tokio::runtime::Builder::new_current_thread().build().expect("a runtime");
+    let robot = sim_core::PawnId(0);
+    let answer = runtime.block_on(program.order_to(robot, drive)).expect("an answer");
+    assert_eq!((answer, own), (Answer::default(), Some(sim_core::PawnId(1))));
+    wait_until(|| {
+        let ([x, ..], _) = client.ground_truth();
+        x > before + 0.2
+    });
+    server.stop().expect("a clean end");
+    let log = recorder::read(&path).expect("a log");
+    let lines: Vec<_> = log
+        .entries
+        .iter()
+        .filter_map(|entry| match &entry.record {
+            recorder::Record::In(line) if line.line.starts_with("DRIVE") => Some((line.robot, line.connection)),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(lines, [(Some(robot.0), program.id())]);
+    let replay = logbook::replay(&log).expect("a replay");
+    assert!(replay.is_same(), "{replay:?}");
+}
+
+#[test]
 fn a_program_that_outlives_its_server_is_told() {
     let world = scene_loader::load("rough", &[]).expect("a map");
     let config = Config { listeners: Vec::new(), ..Config::new(world) };

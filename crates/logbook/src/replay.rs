@@ -102,7 +102,8 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
                 if !sessions.is_open(line.connection) {
                     sessions.open_silent(line.connection);
                 }
-                let request = Request::read(Ok(line.line.clone()));
+                // A program's line may be for another session's pawn.
+                let request = Request::read(Ok(line.line.clone())).to(line.robot.map(PawnId));
                 sessions.take(line.connection, &request, &mut |_, news| readings.extend(sensed(news)));
             }
             // Records of their own say which robots leave.

@@ -7,6 +7,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use gamebots_proto::{Command, Dialect};
 use outbox::Outbox;
+use scene::PawnId;
 use sessions::{Answer, Request, SessionId};
 use tokio::sync::{Semaphore, oneshot};
 
@@ -108,8 +109,20 @@ impl Session {
     /// # Errors
     /// When the world has ended.
     pub async fn order(&self, command: Command) -> Result<Answer, Ended> {
+        self.ask(Request::order(command)).await
+    }
+
+    /// Gives a command to a pawn, which may be another session's, and waits for the answer.
+    ///
+    /// # Errors
+    /// When the world has ended.
+    pub async fn order_to(&self, pawn: PawnId, command: Command) -> Result<Answer, Ended> {
+        self.ask(Request::order(command).to(Some(pawn))).await
+    }
+
+    async fn ask(&self, request: Request) -> Result<Answer, Ended> {
         let (answer, answered) = oneshot::channel();
-        self.hand_over(vec![Request::order(command)], Some(answer)).await?;
+        self.hand_over(vec![request], Some(answer)).await?;
         answered.await.map_err(|_| Ended)
     }
 

@@ -1,7 +1,7 @@
 //! Sessions: the clients of a world, without sockets and without a clock.
 //!
-//! A session opens, sends lines and closes. Its INIT lines spawn pawns; its other lines go to the newest of them. [`Sessions`] executes
-//! lines and steps in the order in which it is told of them, and returns everything that happens as [`News`]. The server, experiments,
+//! A session opens, sends lines and closes. Its INIT lines spawn pawns; its other lines go to the newest of them. A program's session can
+//! address any pawn. [`Sessions`] executes lines and steps in the order in which it is told of them, and returns everything that happens as [`News`]. The server, experiments,
 //! replays and the fuzzer drive their worlds by it, so they agree.
 
 mod mistakes;
@@ -32,6 +32,8 @@ pub struct Request {
     pub command: Option<Command>,
     /// Problems found in the text.
     pub problems: Vec<Problem>,
+    /// The pawn that it is for; none for the session's newest. Only programs name one: it may be another session's.
+    pub pawn: Option<PawnId>,
 }
 
 impl Request {
@@ -41,9 +43,9 @@ impl Request {
             Ok(text) => {
                 let mut problems = Vec::new();
                 let command = Command::parse(&text, &mut problems);
-                Self { text, command, problems }
+                Self { text, command, problems, pawn: None }
             }
-            Err(problem) => Self { text: String::new(), command: None, problems: vec![problem] },
+            Err(problem) => Self { text: String::new(), command: None, problems: vec![problem], pawn: None },
         }
     }
 
@@ -54,7 +56,13 @@ impl Request {
             ..=MAX_BLOCKS => (Some(command), Vec::new()),
             _ => (None, vec![Problem::TooManyBlocks { limit: MAX_BLOCKS }]),
         };
-        Self { text: line.to_string(), command, problems }
+        Self { text: line.to_string(), command, problems, pawn: None }
+    }
+
+    /// Addresses it to a pawn.
+    #[must_use]
+    pub fn to(self, pawn: Option<PawnId>) -> Self {
+        Self { pawn, ..self }
     }
 }
 
@@ -72,7 +80,7 @@ pub struct Answer {
 /// An event of a session or of its world.
 #[derive(Debug)]
 pub enum News<'a> {
-    /// A session sent a line. It is executed next. `pawn` is the session's newest pawn.
+    /// A session sent a line. It is executed next.
     Received {
         /// The session.
         session: SessionId,
@@ -242,8 +250,8 @@ impl Sessions {
 
     /// Executes a line of a session, and returns its answer. Nothing happens if the session is not open.
     pub fn take(&mut self, id: SessionId, request: &Request, hear: Listener) -> Answer {
-        let Request { text, command, problems } = request;
-        let pawn = self.owners.newest(id);
+        let Request { text, command, problems, pawn } = request;
+        let pawn = pawn.or_else(|| self.owners.newest(id));
         if !text.is_empty() {
             hear(&self.world, News::Received { session: id, pawn, line: text });
         }

@@ -143,7 +143,7 @@ impl Rights {
         let Some(Command::Init(init)) = &request.command else { return request };
         let refused = |why: String| {
             let problems = vec![Problem::NotAdmitted { why }];
-            Request { text: String::new(), command: None, problems }
+            Request { text: String::new(), command: None, problems, pawn: None }
         };
         if !init.is_of_robot() {
             return match refusal {

@@ -94,11 +94,7 @@ async fn read_lines(
     loop {
         outbox.ready_for_answers().await;
         let (lines, end) = reader.next().await;
-        let http = (end == Some(End::Http)).then(|| Request {
-            text: String::new(),
-            command: None,
-            problems: vec![Problem::Http],
-        });
+        let http = (end == Some(End::Http)).then(|| Request::read(Err(Problem::Http)));
         let mut requests = lines.into_iter().filter_map(&admit).chain(http).peekable();
         while requests.peek().is_some() {
             let requests = requests.by_ref().take(MAX_REQUESTS).collect();
