@@ -26,7 +26,8 @@ pub(crate) fn text(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-const PURE: [&str; 7] = ["articulated", "friction", "gamebots-proto", "goals", "kinematics", "scene", "sim-core"];
+const PURE: [&str; 8] =
+    ["articulated", "base-motion", "friction", "gamebots-proto", "goals", "kinematics", "scene", "sim-core"];
 
 /// Runs `cargo tree` with these arguments and prints it as a list.
 fn cargo_tree(arguments: &[&str]) -> String {

@@ -178,7 +178,7 @@ impl Task {
         let robot = robot.ok_or_else(|| error(format!("no class {class}")))?;
         let joints = file.action.joints(&robot).map_err(error)?;
         let fingers = file.action.fingers(&robot).map_err(error)?;
-        if file.action.twist.is_some() && sim_core::mecanum::textbook(&robot).is_none() {
+        if file.action.twist.is_some() && base_motion::mecanum::textbook(&robot).is_none() {
             return Err(error(format!("action.twist: {class} has no Mecanum base")));
         }
         if file.action.sides.is_some() && robot.driven().next().is_none() {

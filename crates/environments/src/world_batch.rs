@@ -528,7 +528,7 @@ fn check_orders(orders: &Orders, def: &RobotDef, class: &str) -> Result<(), Batc
     if orders.has_wheels() && def.driven().next().is_none() {
         return refuse("it has no driven wheels");
     }
-    if orders.has_twist() && sim_core::mecanum::textbook(def).is_none() {
+    if orders.has_twist() && base_motion::mecanum::textbook(def).is_none() {
         return refuse("it has no Mecanum base");
     }
     if orders.has_joints() && !def.with_values().any(|link| link.wheel.is_none()) {

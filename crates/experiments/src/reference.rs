@@ -1,10 +1,10 @@
 //! Exact motion of a robot for given wheel angles, as a reference for measured motions.
 
+use base_motion::mecanum;
 use kinematics::coulomb::{self, Contact};
 use kinematics::{FiniteRollers, Twist};
 use nalgebra::Vector3;
 use scene::{Material, Pose, RobotDef, RobotSnapshot, WHEEL_AXIS};
-use sim_core::mecanum;
 
 /// Kinematics of a robot.
 pub(crate) enum Reference {

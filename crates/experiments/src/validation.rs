@@ -8,11 +8,12 @@ mod mecanum_wheels;
 mod plain_wheels;
 mod reason;
 
+use base_motion::mecanum;
 use gamebots_proto::command::{Command, Init};
 use nalgebra::Vector3;
 use scene::{DriveModel, MapDef, Material, MountedWheel, RobotDef, Shape, Solid, WorldDef};
 use scene_loader::{LoadError, Override};
-use sim_core::{BodyState, Options, PawnId, WheelState, World, mecanum};
+use sim_core::{BodyState, Options, PawnId, WheelState, World};
 
 pub use reason::{Stance, reason};
 

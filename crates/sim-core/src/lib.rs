@@ -58,11 +58,9 @@ mod compiled;
 mod drive;
 mod flight;
 mod kinds;
-pub mod mecanum;
 mod physics;
 mod sensor;
 mod site;
-mod sliding;
 mod threads;
 mod world;
 

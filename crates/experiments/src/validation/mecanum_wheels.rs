@@ -1,8 +1,9 @@
 //! Checks of robots on four Mecanum wheels.
 
+use base_motion::mecanum;
 use nalgebra::UnitQuaternion;
 use scene::{Material, RobotDef, Shape, Solid, WheelGeometry, wrapped};
-use sim_core::{WheelState, mecanum};
+use sim_core::WheelState;
 
 use super::{Finding, Scene, Subject, about, below, energy, halved, same_bits, slides, tolerance, turning_inertia};
 use crate::course::{MotionError, angles, drive_command, exact_step};

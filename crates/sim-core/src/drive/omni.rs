@@ -8,7 +8,7 @@ use kinematics::Twist;
 use scene::{MountedWheel, RobotDef};
 
 use super::{Order, of_side};
-use crate::mecanum;
+use base_motion::mecanum;
 
 /// The last one moves nothing.
 pub(super) const KEYS: [&str; 12] = [

@@ -147,7 +147,7 @@ fn youbot(map: &str, model: Option<DriveModel>, motion: Motion, away: f64) -> Tr
 /// Returns the displacement per radian of the youBot's wheels, m or rad: by the textbook, by finite rollers in the mean over their phases,
 /// and by the Jacobians of the thesis as printed.
 fn by_kinematics(motion: Motion, signs: [f64; 4]) -> [f64; 3] {
-    let rollers = sim_core::mecanum::finite_rollers(&world("rough").robots["KUKA_YouBot"]).unwrap();
+    let rollers = base_motion::mecanum::finite_rollers(&world("rough").robots["KUKA_YouBot"]).unwrap();
     let FiniteRollers { base, axis_circle, .. } = rollers;
     let twist = base.forward(signs);
     let part = [1.0, rollers.mean_lateral_ratio(), rollers.mean_rotation_ratio()];

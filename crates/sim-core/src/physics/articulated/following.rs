@@ -6,7 +6,7 @@ use kinematics::{FiniteRollers, Mecanum, Twist};
 use nalgebra::Vector3;
 use scene::{DriveModel, RobotDef};
 
-use crate::mecanum;
+use base_motion::mecanum;
 
 /// The map from wheel speeds to a base's twist.
 pub(super) enum Counting {

@@ -1,0 +1,15 @@
+//! Motion of a robot's base by its wheels: from a class of robots to the kinematics that fit it.
+//!
+//! [`Base`] is the whole of it: displacements of the base from angles of its wheels, as odometry needs them, and speeds of the wheels from
+//! a twist, as a driver does.
+
+mod base;
+pub mod mecanum;
+mod sliding;
+
+pub use base::{Base, Car, Drive, Model, Sliding};
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
