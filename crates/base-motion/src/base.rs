@@ -50,7 +50,7 @@ pub struct Sliding {
     places: Vec<Place>,
     /// Side of each driven wheel.
     sides: Vec<Side>,
-    /// The same base without slip.
+    /// Kinematics of the base if nothing slipped.
     ideal: Skid,
 }
 
