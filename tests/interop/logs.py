@@ -40,7 +40,9 @@ ROS2 = {
     "sensor_msgs/msg/Imu",
     "sensor_msgs/msg/JointState",
     "sensor_msgs/msg/LaserScan",
+    "sensor_msgs/msg/NavSatFix",
     "sensor_msgs/msg/Range",
+    "std_msgs/msg/String",
     "tf2_msgs/msg/TFMessage",
 }
 
@@ -181,10 +183,24 @@ def check_ros2(log):
         assert math.isclose(beams, len(scan.ranges), abs_tol=0.01) and scan.range_max in (4.0, 20.0)
         # The wall is ahead of everyone and everything else is free.
         assert min(scan.ranges) > 1 and min(scan.ranges) < scan.range_max or scan.range_max == 4.0
+        assert all(reading < scan.range_max or reading == math.inf for reading in scan.ranges)
+    # The robots' wheels say where they are, up to slip, and the frames hang together.
+    estimated, true = ([m.pose.pose.position for _, t, m in messages["nav_msgs/msg/Odometry"] if t == f"/robot_0/{name}"] for name in ["odom", "ground_truth"])
+    assert abs(estimated[-1].y - (true[-1].y - true[0].y)) < 0.02, (estimated[-1], true[0], true[-1])
+    parents = {
+        transform.child_frame_id: transform.header.frame_id
+        for _, _, message in messages["tf2_msgs/msg/TFMessage"]
+        for transform in message.transforms
+    }
+    for frame in [scan.header.frame_id for _, _, scan in messages["sensor_msgs/msg/LaserScan"]] + ["robot_0/base_link"]:
+        while frame != "map":
+            frame = parents[frame]
+    descriptions = {topic: text.data for _, topic, text in messages["std_msgs/msg/String"]}
+    assert len(descriptions) == 4 and '<joint name="FLWheel"' in descriptions["/robot_0/robot_description"], descriptions
     imus = collections.defaultdict(list)
-    for _, topic, imu in messages["sensor_msgs/msg/Imu"]:
-        imus[topic.startswith("/robot_3/")].append(imu)
-    assert all(imu.angular_velocity_covariance[0] == -1 for imu in imus[False]), "an INS measures the orientation alone"
+    for _, _, imu in messages["sensor_msgs/msg/Imu"]:
+        imus[imu.angular_velocity_covariance[0] != -1].append(imu)
+    assert all(imu.linear_acceleration_covariance[0] == -1 for imu in imus[False]), "an INS measures the orientation alone"
     hovering = imus[True][-1]
     assert abs(hovering.linear_acceleration.z - 9.81) < 0.05 and abs(hovering.angular_velocity.z) < 0.01, hovering
     counts = {name: len(content) for name, content in sorted(messages.items())}
