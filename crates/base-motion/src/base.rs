@@ -2,7 +2,7 @@
 
 use kinematics::{FiniteRollers, Mecanum, Skid, Twist};
 use nalgebra::Matrix2;
-use scene::{Drivetrain, RobotDef, Side, WheelGeometry};
+use scene::{Drivetrain, Material, MountedWheel, RobotDef, Side};
 
 use crate::mecanum;
 use crate::sliding::{self, Place};
@@ -57,9 +57,10 @@ pub struct Sliding {
 /// A base whose wheels stand on circles about one centre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Car {
-    geometry: WheelGeometry,
-    /// Forward and to the right, m, of each driven wheel.
-    driven: Vec<[f64; 2]>,
+    /// Distance of the axles, m.
+    wheel_base: f64,
+    /// Forward and to the right, and radius, m, of each driven wheel.
+    driven: Vec<[f64; 3]>,
     /// Foremost driven wheel, m.
     front: f64,
     /// True if only the rear axle steers.
@@ -98,6 +99,18 @@ impl Base {
             }
             (Drivetrain::Steered, _) => Some(Self::Car(Car::of(robot))),
             (Drivetrain::None, _) => None,
+        }
+    }
+
+    /// Returns the kinematics on a floor of a material, whose rolling resistance wheels that slide feel.
+    #[must_use]
+    pub fn on(self, robot: &RobotDef, floor: &Material) -> Self {
+        match self {
+            Self::Sliding(Sliding { places, sides, ideal }) => {
+                let places = places.into_iter().map(|place| place.on(robot, floor)).collect();
+                Self::Sliding(Sliding { places, sides, ideal })
+            }
+            other => other,
         }
     }
 
@@ -181,22 +194,23 @@ impl Sliding {
 
 impl Car {
     fn of(robot: &RobotDef) -> Self {
-        let driven: Vec<[f64; 2]> = robot.driven().map(|wheel| [wheel.position[0], wheel.position[1]]).collect();
-        let front = driven.iter().map(|[x, _]| *x).fold(f64::NEG_INFINITY, f64::max);
+        let place = |wheel: MountedWheel| [wheel.position[0], wheel.position[1], wheel.radius];
+        let driven: Vec<[f64; 3]> = robot.driven().map(place).collect();
+        let front = driven.iter().map(|[x, ..]| *x).fold(f64::NEG_INFINITY, f64::max);
         let steers = |axle| robot.links.iter().any(|link| link.steered_axle() == Some(axle));
-        Self { geometry: robot.wheel_geometry(), driven, front, steers_behind: steers(1) && !steers(0) }
+        Self { wheel_base: robot.wheel_geometry().wheel_base, driven, front, steers_behind: steers(1) && !steers(0) }
     }
 
     /// Returns the turning centre, forward and to the right, m; `None` if the car drives straight.
     fn centre(&self, [front, rear]: [f64; 2]) -> Option<[f64; 2]> {
         let slopes = libm::tan(front) - libm::tan(rear);
-        let aside = self.geometry.wheel_base / slopes;
+        let aside = self.wheel_base / slopes;
         (slopes.abs() > STRAIGHT).then_some([self.front - aside * libm::tan(front), aside])
     }
 
     /// Returns the sum of the distances that the driven wheels roll while the base turns by 1 rad about a centre.
     fn rolled(&self, [x, y]: [f64; 2]) -> f64 {
-        let distance = |[wheel_x, wheel_y]: &[f64; 2]| {
+        let distance = |[wheel_x, wheel_y, _]: &[f64; 3]| {
             let [dx, dy] = [x - wheel_x, y - wheel_y];
             (dx * dx + dy * dy).sqrt()
         };
@@ -204,7 +218,7 @@ impl Car {
     }
 
     fn displacement(&self, turned: &[f64], steer: [f64; 2]) -> Twist {
-        let rolled = self.geometry.radius * turned.iter().sum::<f64>();
+        let rolled = self.driven.iter().zip(turned).map(|([.., radius], turned)| radius * turned).sum::<f64>();
         match self.centre(steer) {
             None => Twist { forward: rolled / self.driven.len().max(1) as f64, ..Twist::default() },
             Some([x, y]) => {
@@ -216,7 +230,7 @@ impl Car {
 
     /// Turns the steering axle so that the middle of the other one follows the twist. A car cannot turn on the spot.
     fn drive(&self, twist: Twist) -> Drive {
-        let slope = self.geometry.wheel_base * twist.clockwise / twist.forward;
+        let slope = self.wheel_base * twist.clockwise / twist.forward;
         let steer = if !slope.is_finite() {
             [0.0; 2]
         } else if self.steers_behind {
@@ -225,10 +239,11 @@ impl Car {
             [libm::atan(slope), 0.0]
         };
         let rolled = match self.centre(steer) {
-            None => twist.forward,
-            Some(centre) => twist.clockwise * self.rolled(centre) / self.driven.len().max(1) as f64,
+            None => twist.forward * self.driven.len() as f64,
+            Some(centre) => twist.clockwise * self.rolled(centre),
         };
-        Drive::Car { speed: rolled / self.geometry.radius, steer }
+        // All turn at one speed, also where their radii differ.
+        Drive::Car { speed: rolled / self.driven.iter().map(|[.., radius]| radius).sum::<f64>(), steer }
     }
 }
 

@@ -57,6 +57,9 @@ pub struct Config {
     pub image_kind: ImageKind,
     /// True if the image server sends the first picture unasked.
     pub image_legacy: bool,
+    /// Node of ROS 2; none by default.
+    #[cfg(feature = "ros2")]
+    pub ros2: Option<ros2::Options>,
     /// Simulated time at which the world's thread panics, s, to test the report of a defect.
     pub panic_at: Option<f64>,
     /// Threads that move robots that do not touch, and compute sensor readings.
@@ -93,6 +96,8 @@ impl Config {
         Self {
             saved: None,
             maps: Vec::new(),
+            #[cfg(feature = "ros2")]
+            ros2: None,
             panic_at: None,
             options: Options::default(),
             host: "127.0.0.1".to_owned(),

@@ -22,6 +22,10 @@ pub enum ServeError {
     /// The runtime or a thread cannot be started.
     #[error("cannot start: {0}")]
     Start(std::io::Error),
+    /// The node of ROS 2 cannot be started.
+    #[cfg(feature = "ros2")]
+    #[error(transparent)]
+    Ros2(#[from] ros2::StartError),
     /// The world's thread ended without a report.
     #[error("the world stopped unexpectedly")]
     WorldStopped,

@@ -99,7 +99,7 @@ pub(crate) async fn serve(
         Some(saved) => World::load(config.world.clone(), saved)?,
         None => World::new(config.world.clone(), config.options),
     };
-    let subscribers = subscribers(&config, &world, foxglove);
+    let subscribers = subscribers(&config, &world, foxglove, &server.entrance)?;
     let world = thread::spawn(config, world, server.door.budgets.clone(), events, live, subscribers, gone)?;
     let mut clients: Vec<(Service, JoinSet<()>)> =
         bound.iter().map(|(service, _)| (*service, JoinSet::new())).collect();
@@ -137,7 +137,13 @@ pub(crate) async fn serve(
 }
 
 /// Lists the subscribers of the world, beside its log and its viewers.
-fn subscribers(config: &Config, world: &World, foxglove: Option<FoxgloveServer>) -> Vec<Box<dyn Subscriber>> {
+fn subscribers(
+    config: &Config,
+    world: &World,
+    foxglove: Option<FoxgloveServer>,
+    #[cfg_attr(not(feature = "ros2"), expect(unused_variables, reason = "programs get their entrance otherwise"))]
+    entrance: &Entrance,
+) -> Result<Vec<Box<dyn Subscriber>>, ServeError> {
     let mut list: Vec<Box<dyn Subscriber>> =
         vec![Box::new(Journal::of(world)), Box::new(Results::new(config.result.clone()))];
     if let Some(at) = config.panic_at {
@@ -149,7 +155,18 @@ fn subscribers(config: &Config, world: &World, foxglove: Option<FoxgloveServer>)
     if let Some(foxglove) = foxglove {
         list.push(Box::new(foxglove));
     }
-    list
+    #[cfg(feature = "ros2")]
+    if let Some(options) = &config.ros2 {
+        let may_control = match config.world_control {
+            WorldControl::Everyone => true,
+            WorldControl::Local => options.address.is_loopback(),
+            WorldControl::Nobody => false,
+        };
+        let maps = config.maps.iter().map(|map| (map.name.clone(), map.description.clone())).collect();
+        let options = ros2::Options { may_control, maps, ..options.clone() };
+        list.push(Box::new(ros2::start(options, world.options().speed_unit, entrance.clone())?));
+    }
+    Ok(list)
 }
 
 /// State that the ports share.

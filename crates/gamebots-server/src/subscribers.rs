@@ -11,5 +11,7 @@ pub(crate) mod log;
 pub(crate) mod present;
 pub(crate) mod publisher;
 pub(crate) mod results;
+#[cfg(feature = "ros2")]
+pub(crate) mod ros2;
 pub(crate) mod shots;
 pub(crate) mod subscriber;

@@ -23,7 +23,7 @@ pub(crate) struct Ros2 {
 
 impl Ros2 {
     pub(crate) fn new(world: &WorldDef) -> Self {
-        Self { world: world.clone(), topics: Topics::new(Namespaces::Numbers, true, world.map.gravity) }
+        Self { world: world.clone(), topics: Topics::new(Namespaces::Numbers, true, &world.map) }
     }
 
     pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut LogFile) -> McapResult<()> {

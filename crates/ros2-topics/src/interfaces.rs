@@ -204,9 +204,11 @@ interfaces! {
     }
     "diagnostic_msgs/DiagnosticArray" DiagnosticArray { header: Header, status: Vec<DiagnosticStatus>, }
     "std_msgs/String" Text { data: String, }
+    "std_msgs/Bool" Bool { data: bool, }
     "std_msgs/MultiArrayDimension" MultiArrayDimension { label: String, size: u32, stride: u32, }
     "std_msgs/MultiArrayLayout" MultiArrayLayout { dim: Vec<MultiArrayDimension>, data_offset: u32, }
     "std_msgs/Float64MultiArray" Float64MultiArray { layout: MultiArrayLayout, data: Vec<f64>, }
+    "geometry_msgs/PoseStamped" PoseStamped { header: Header, pose: Pose, }
     "geometry_msgs/TwistStamped" TwistStamped { header: Header, twist: Twist, }
     "builtin_interfaces/Duration" Duration { sec: i32, nanosec: u32, }
     "trajectory_msgs/JointTrajectoryPoint" JointTrajectoryPoint {

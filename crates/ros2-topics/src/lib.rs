@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 use scene::sensor::{Config, kinect_depth};
-use scene::{JointKind, JointState, Pose, Reading, RobotDef, Sensed};
+use scene::{JointKind, JointState, MapDef, Material, Pose, Reading, RobotDef, Sensed, Shape};
 
 pub use convert::{camera_info, from_pose, header, name, pose, stamp};
 use interfaces as ros;
@@ -76,6 +76,8 @@ pub struct Topics {
     is_localised: bool,
     /// Gravity, m/s².
     gravity: f64,
+    /// Material of the floor.
+    floor: Material,
     robots: BTreeMap<u64, Robot>,
     /// Last time on `/clock`.
     clock: Option<f64>,
@@ -97,12 +99,13 @@ struct Robot {
 }
 
 impl Topics {
-    /// Creates the topics of a world without robots. `gravity` is that of its map, m/s².
-    pub fn new(namespaces: Namespaces, is_localised: bool, gravity: f64) -> Self {
+    /// Creates the topics of a world without robots on a map.
+    pub fn new(namespaces: Namespaces, is_localised: bool, map: &MapDef) -> Self {
         Self {
             spaces: Spaces::new(namespaces),
             is_localised,
-            gravity,
+            gravity: map.gravity,
+            floor: floor(map),
             robots: BTreeMap::new(),
             clock: None,
             transforms: Vec::new(),
@@ -196,7 +199,7 @@ impl Topics {
         sink: &mut S,
     ) -> Result<(), S::Error> {
         let Some(Robot { space, def, odometer, .. }) = self.robots.get_mut(&robot) else { return Ok(()) };
-        let odometer = odometer.get_or_insert_with(|| Odometer::new(def, state.pose));
+        let odometer = odometer.get_or_insert_with(|| Odometer::new(def, &self.floor, state.pose));
         let moved = odometer.moved(time, state);
         let (odom, base) = (format!("{}odom", space.prefix), description::frame(def, 0, &space.prefix));
         if self.is_localised {
@@ -396,6 +399,12 @@ impl Topics {
             ) => Ok(()),
         }
     }
+}
+
+/// Returns the material of a map's floor: that of its half space, or else of its first solid.
+pub fn floor(map: &MapDef) -> Material {
+    let half_space = map.solids.iter().find(|solid| solid.shape == Shape::HalfSpace);
+    half_space.or(map.solids.first()).map(|solid| solid.material.clone()).unwrap_or_default()
 }
 
 /// True if one number places a link of such a joint, and it changes.

@@ -3,7 +3,7 @@
 use base_motion::{Base, Model};
 use kinematics::Twist;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
-use scene::{JointState, Pose, RobotDef};
+use scene::{JointState, Material, Pose, RobotDef};
 
 use crate::State;
 
@@ -32,13 +32,13 @@ pub(crate) struct Moved {
 }
 
 impl Odometer {
-    pub(crate) fn new(def: &RobotDef, start: Pose) -> Self {
+    pub(crate) fn new(def: &RobotDef, floor: &Material, start: Pose) -> Self {
         let steering = def.links.iter().enumerate().filter_map(|(number, link)| {
             let axis = link.joint.as_ref()?.axis[2];
             Some((link.steered_axle()?, def.value_of(number)?, axis.signum()))
         });
         Self {
-            base: Base::of(def, Model::True),
+            base: Base::of(def, Model::True).map(|base| base.on(def, floor)),
             wheels: def.driven().filter_map(|wheel| def.value_of(wheel.link)).collect(),
             steering: steering.collect(),
             last: None,

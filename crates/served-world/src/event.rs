@@ -98,6 +98,8 @@ pub enum Kind {
     Positions,
     /// Radios between robots.
     Radio,
+    /// Nodes of ROS 2.
+    Ros2,
 }
 
 /// A guest: its kind and its number.

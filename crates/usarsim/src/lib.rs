@@ -197,6 +197,8 @@ fn start_logging(arguments: &Arguments) -> tracing_appender::non_blocking::Worke
     let (writer, guard) = queue.finish(std::io::stderr());
     // Foxglove's server says where it listens, which is behind our own port.
     let targets = Targets::new().with_default(level).with_target("foxglove", level.min(LevelFilter::WARN));
+    // DDS writes a line for every lost fragment, and complains when it leaves.
+    let targets = targets.with_target("rustdds", LevelFilter::OFF);
     let lines = tracing_subscriber::fmt::layer().with_writer(writer).with_ansi(colour).with_target(false);
     tracing_subscriber::registry().with(lines.with_filter(targets)).init();
     guard

@@ -1,5 +1,8 @@
 //! `usarsim serve`.
 
+#[cfg(feature = "ros2")]
+mod ros2;
+
 use std::io::Write;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
@@ -169,6 +172,9 @@ pub(crate) struct Arguments {
     /// Most connections. Above it the server accepts no new ones until some close, as in USARSim.
     #[arg(long, env = "USARSIM_MAX_CONNECTIONS", default_value_t = 64, help_heading = "Ports", hide_short_help = true)]
     max_connections: usize,
+    #[cfg(feature = "ros2")]
+    #[command(flatten, next_help_heading = "ROS 2")]
+    ros2: ros2::Ros2Choice,
     /// Real-time factor: simulated seconds per second; 0 is as fast as possible.
     #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor, help_heading = "Time")]
     rtf: f64,
@@ -322,7 +328,11 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     listeners.extend(beside(arguments.wireless, Service::Wireless, WIRELESS_PORT));
     listeners.extend(beside(arguments.com_server, Service::ComServer, COM_SERVER_PORT));
     let threads = arguments.threads.map_or_else(ThreadPool::of_machine, |threads| ThreadPool::new(threads as usize));
+    #[cfg(feature = "ros2")]
+    let ros2 = arguments.ros2.options(tokens.is_some())?;
     let config = Config {
+        #[cfg(feature = "ros2")]
+        ros2,
         panic_at: arguments.panic_at,
         maps: other_maps(&arguments.set, &world.map),
         options: saved.as_ref().map_or(options, SavedWorld::options),

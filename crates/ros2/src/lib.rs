@@ -1,0 +1,85 @@
+//! A served world as a node of ROS 2. Nothing of ROS is installed: DDS, the network of ROS 2, is the crate `rustdds`.
+//!
+//! [`start`] joins a domain and returns a [`Feed`], by which the world tells what happens. A thread of its own publishes it as the topics of
+//! the crate `ros2-topics`, and gives the orders of other nodes to the world by its entrance, as programs in the server's process do. A slow
+//! or dead node makes nobody wait: queues are bounded, and what finds no room is left out and counted.
+//!
+//! DDS has no password. By default only this machine is spoken to, whatever the server's own address is.
+
+mod cameras;
+mod feed;
+mod interfaces;
+mod node;
+mod orders;
+mod services;
+mod thread;
+
+use std::net::Ipv4Addr;
+
+use served_world::Entrance;
+use tokio::sync::mpsc::channel;
+
+pub use feed::Feed;
+pub use ros2_topics::Namespaces;
+
+/// Greatest domain whose ports exist on every system.
+pub const LAST_DOMAIN: u16 = 101;
+
+/// Settings of the node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// The domain (ROS_DOMAIN_ID), 0 to [`LAST_DOMAIN`].
+    pub domain: u16,
+    /// Address of this machine at which it speaks and listens. Anything but 127.0.0.1 lets other machines drive robots.
+    pub address: Ipv4Addr,
+    /// Namespaces of robots.
+    pub namespaces: Namespaces,
+    /// True to publish `map` to `odom` from the truth, as a perfect localisation would.
+    pub is_localised: bool,
+    /// True if nodes may give orders to robots.
+    pub takes_orders: bool,
+    /// True if nodes may control the world: pause, reset, spawn.
+    pub may_control: bool,
+    /// Maps that the world can change to, with a sentence about each.
+    pub maps: Vec<(String, String)>,
+}
+
+impl Default for Options {
+    /// Domain 0, this machine alone.
+    fn default() -> Self {
+        Self {
+            domain: 0,
+            address: Ipv4Addr::LOCALHOST,
+            namespaces: Namespaces::default(),
+            is_localised: false,
+            takes_orders: true,
+            may_control: true,
+            maps: Vec::new(),
+        }
+    }
+}
+
+/// A node that cannot start.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The domain cannot be joined.
+    #[error("ROS 2: the domain cannot be joined: {0}")]
+    Join(String),
+    /// There is no thread for it.
+    #[error("ROS 2: {0}")]
+    Thread(#[from] std::io::Error),
+}
+
+/// Joins a domain, and starts the thread of the node. `unit` is one wheel-speed unit of the protocol, rad/s.
+///
+/// # Errors
+/// When the domain cannot be joined.
+pub fn start(options: Options, unit: f64, entrance: Entrance) -> Result<Feed, StartError> {
+    let node = node::Node::join(options.domain, options.address)?;
+    let (items, received) = channel(feed::MOST_WAITING);
+    let (wanted, time) = (feed::Wanted::default(), orders::time());
+    let shared = thread::Shared { options, unit, entrance, wanted: wanted.clone(), time: time.clone() };
+    let thread =
+        std::thread::Builder::new().name("ROS 2".to_owned()).spawn(move || thread::run(node, received, shared))?;
+    Ok(Feed::new(items, thread, wanted, time))
+}

@@ -1,0 +1,595 @@
+//! Services: control of the world by std_srvs, and simulation_interfaces, the standard that simulators share.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use futures_util::StreamExt;
+use gamebots_proto::Command;
+use gamebots_proto::command::{Control as Order, Init, Move};
+use page_protocol::{Actor, Control};
+use ros2_topics::{from_pose, header, interfaces as ros, name, pose};
+use scene::{PawnId, Snapshot};
+use serde::Serialize;
+use served_world::{Entrance, Health, Inquiry, Kind, Question, Session};
+use sim_core::CompiledScene;
+use tokio::time::{Instant, sleep};
+
+use crate::interfaces::{self as srv, Request, category, code, scope, state};
+use crate::node::Node;
+
+/// Longest wait for a reset, and for each step, real time.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// Time between two looks if the world has done what was asked.
+const TICK: Duration = Duration::from_millis(2);
+/// Most steps of one call.
+const MOST_STEPS: u64 = 100_000;
+/// Most robots of one call.
+const MOST_SPAWNED: usize = 256;
+/// Largest compiled regular expression of a filter, bytes.
+const FILTER_BYTES: usize = 1 << 16;
+
+/// The newest scene and snapshot.
+pub(crate) type Latest = Arc<Mutex<Option<(CompiledScene, Arc<Snapshot>)>>>;
+
+/// What the services need.
+#[derive(Clone)]
+pub(crate) struct Desk {
+    inquiry: Inquiry,
+    entrance: Entrance,
+    /// Session of the robots that were spawned here, and of the controller that moves things; each opens when it is needed.
+    spawner: Arc<tokio::sync::Mutex<Option<Session>>>,
+    mover: Arc<tokio::sync::Mutex<Option<Session>>>,
+    /// Robots that were spawned here.
+    spawned: Arc<Mutex<Vec<PawnId>>>,
+    latest: Latest,
+    /// Maps that the world can change to, with a sentence about each.
+    maps: Arc<[(String, String)]>,
+}
+
+/// A robot or an object by its name.
+struct Entity {
+    name: String,
+    robot: Option<u64>,
+    category: u8,
+    description: String,
+    state: srv::EntityState,
+}
+
+impl Desk {
+    pub(crate) fn new(entrance: &Entrance, latest: Latest, maps: Arc<[(String, String)]>) -> Self {
+        Self {
+            inquiry: entrance.guest(Kind::Ros2),
+            entrance: entrance.clone(),
+            spawner: Arc::default(),
+            mover: Arc::default(),
+            spawned: Arc::default(),
+            latest,
+            maps,
+        }
+    }
+
+    /// Offers all services. Each call is answered before the next of that service.
+    pub(crate) fn open(&self, node: &mut Node) -> Vec<tokio::task::JoinHandle<()>> {
+        let mut offer = Offer { node, desk: self, tasks: Vec::new() };
+        offer.add("pause", "std_srvs/Trigger", async |desk: &Desk, _: srv::Empty| {
+            desk.trigger(Control::Pause(true)).await
+        });
+        offer.add("resume", "std_srvs/Trigger", async |desk: &Desk, _: srv::Empty| {
+            desk.trigger(Control::Pause(false)).await
+        });
+        offer.add("step", "std_srvs/Trigger", async |desk: &Desk, _: srv::Empty| triggered(desk.step(1).await));
+        offer.add("reset", "std_srvs/Trigger", async |desk: &Desk, _: srv::Empty| triggered(desk.reset().await));
+        offer.add("save", "std_srvs/Trigger", async |desk: &Desk, _: srv::Empty| desk.trigger(Control::Save).await);
+        offer.standard("GetSimulatorFeatures", async |_: &Desk, _: srv::Empty| srv::Features {
+            features: srv::SimulatorFeatures {
+                features: srv::FEATURES.to_vec(),
+                spawn_formats: Vec::new(),
+                custom_info: "robots are spawned by the names of their classes: GetSpawnables".to_owned(),
+            },
+        });
+        offer.standard("GetSimulationState", async |desk: &Desk, _: srv::Empty| desk.state().await);
+        offer.standard("SetSimulationState", async |desk: &Desk, wanted: srv::SetState| {
+            desk.set_state(wanted.state.state).await
+        });
+        offer.standard("StepSimulation", async |desk: &Desk, wanted: srv::Steps| desk.step_paused(wanted.steps).await);
+        offer.standard("ResetSimulation", async |desk: &Desk, wanted: srv::Scope| desk.reset_scope(wanted.scope).await);
+        offer.standard("GetEntities", async |desk: &Desk, filters: srv::EntityFilters| {
+            let (result, found) = desk.find(&filters);
+            srv::Entities { result, entities: found.into_iter().map(|entity| entity.name).collect() }
+        });
+        offer.standard("GetEntitiesStates", async |desk: &Desk, filters: srv::EntityFilters| {
+            let (result, found) = desk.find(&filters);
+            let (entities, states) = found.into_iter().map(|entity| (entity.name, entity.state)).unzip();
+            srv::EntitiesStates { result, entities, states }
+        });
+        offer.standard("GetEntityState", async |desk: &Desk, asked: srv::Named| match desk.entity(&asked.name) {
+            Ok(entity) => srv::OneState { result: srv::Result::ok(), state: entity.state },
+            Err(result) => srv::OneState { result, ..srv::OneState::default() },
+        });
+        offer.standard("GetEntityInfo", async |desk: &Desk, asked: srv::Named| match desk.entity(&asked.name) {
+            Ok(Entity { category, description, .. }) => {
+                let category = srv::EntityCategory { category };
+                let info = srv::EntityInfo { category, description, tags: Vec::new() };
+                srv::Info { result: srv::Result::ok(), info }
+            }
+            Err(result) => srv::Info { result, ..srv::Info::default() },
+        });
+        offer.set_entity_state();
+        offer.standard("GetSpawnables", async |desk: &Desk, _: srv::Sources| desk.spawnables());
+        offer.standard("SpawnEntity", async |desk: &Desk, wanted: srv::SpawnEntity| desk.spawn(wanted).await);
+        offer.standard("SpawnEntities", async |desk: &Desk, wanted: srv::SpawnRequests| desk.spawn_all(wanted).await);
+        offer.standard("DeleteEntity", async |desk: &Desk, asked: srv::Named| desk.delete(&asked.name).await);
+        offer.standard("GetNamedPoses", async |desk: &Desk, asked: srv::Tags| desk.named_poses(&asked));
+        offer.standard("GetCurrentWorld", async |desk: &Desk, _: srv::Empty| desk.current_world());
+        offer.standard("GetAvailableWorlds", async |desk: &Desk, _: srv::Sources| srv::Worlds {
+            result: srv::Result::ok(),
+            worlds: desk.maps.iter().map(|(name, about)| world(name, about)).collect(),
+        });
+        offer.standard("LoadWorld", async |desk: &Desk, wanted: srv::LoadWorld| desk.load(wanted.world_resource).await);
+        offer.tasks
+    }
+
+    fn latest(&self) -> Option<(CompiledScene, Arc<Snapshot>)> {
+        self.latest.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    async fn health(&self) -> Option<Health> {
+        self.inquiry.ask(Question::Health).await
+    }
+
+    async fn control(&self, control: Control) -> Result<(), String> {
+        let control = control.checked()?;
+        let sent = self.inquiry.send(Question::Control(control, Actor("ROS 2".to_owned()))).await;
+        sent.ok_or_else(|| "the server stops".to_owned())
+    }
+
+    async fn trigger(&self, control: Control) -> srv::Triggered {
+        triggered(self.control(control).await)
+    }
+
+    /// Waits until the world is as wanted.
+    async fn wait(&self, is_done: impl Fn(&Health) -> bool) -> Result<(), String> {
+        let (start, mut steps) = (Instant::now(), 0);
+        let mut progress = start;
+        loop {
+            let health = self.health().await.ok_or("the server stops")?;
+            if is_done(&health) {
+                return Ok(());
+            }
+            if std::mem::replace(&mut steps, health.steps) != health.steps {
+                progress = Instant::now();
+            }
+            if progress.elapsed() > PATIENCE {
+                return Err(format!("not done within {} s", PATIENCE.as_secs()));
+            }
+            sleep(TICK).await;
+        }
+    }
+
+    /// Steps, and returns when the world has.
+    async fn step(&self, steps: u64) -> Result<(), String> {
+        let before = self.health().await.ok_or("the server stops")?.steps;
+        self.control(Control::Step(u32::try_from(steps).unwrap_or(u32::MAX))).await?;
+        self.wait(|health| health.steps >= before + steps).await
+    }
+
+    async fn step_paused(&self, steps: u64) -> srv::Done {
+        let is_paused = self.health().await.is_some_and(|health| health.paused);
+        let result = if !is_paused {
+            srv::Result::failed(code::INCORRECT_STATE, "the world is not paused: SetSimulationState pauses it")
+        } else if !(1..=MOST_STEPS).contains(&steps) {
+            srv::Result::failed(code::OPERATION_FAILED, format!("{steps} steps: expected 1 to {MOST_STEPS}"))
+        } else {
+            outcome(self.step(steps).await)
+        };
+        srv::Done { result }
+    }
+
+    /// Resets, and returns when the world has.
+    async fn reset(&self) -> Result<(), String> {
+        let before = self.health().await.ok_or("the server stops")?.resets;
+        self.control(Control::Reset).await?;
+        self.wait(|health| health.resets > before).await
+    }
+
+    async fn reset_scope(&self, asked: u8) -> srv::Done {
+        let with_spawned = asked & scope::SPAWNED != 0 || asked == scope::DEFAULT;
+        let with_world =
+            matches!(asked, scope::DEFAULT | scope::ALL | scope::TIME_AND_STATE | scope::TIME_STATE_AND_SPAWNED);
+        if !with_world && asked != scope::SPAWNED {
+            let why = "time and state are reset together: expected scope 0, 3, 4, 7 or 255";
+            return srv::Done { result: srv::Result::failed(code::FEATURE_UNSUPPORTED, why) };
+        }
+        if with_spawned {
+            // The session's robots leave with it.
+            *self.spawner.lock().await = None;
+            self.spawned.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        }
+        let reset = if with_world { self.reset().await } else { Ok(()) };
+        srv::Done { result: outcome(reset) }
+    }
+
+    async fn state(&self) -> srv::StateIs {
+        let Some(health) = self.health().await else {
+            let result = srv::Result::failed(code::OPERATION_FAILED, "the server stops");
+            return srv::StateIs { result, ..srv::StateIs::default() };
+        };
+        let state = if health.paused { state::PAUSED } else { state::PLAYING };
+        srv::StateIs { state: srv::SimulationState { state }, result: srv::Result::ok() }
+    }
+
+    async fn set_state(&self, wanted: u8) -> srv::Done {
+        let is_paused = self.health().await.is_some_and(|health| health.paused);
+        let result = match wanted {
+            state::PLAYING if !is_paused => srv::Result::failed(code::ALREADY_IN_TARGET_STATE, "it is playing"),
+            state::PAUSED if is_paused => srv::Result::failed(code::ALREADY_IN_TARGET_STATE, "it is paused"),
+            state::PLAYING => outcome(self.control(Control::Pause(false)).await),
+            state::PAUSED => outcome(self.control(Control::Pause(true)).await),
+            state::STOPPED => outcome(match self.control(Control::Pause(true)).await {
+                Ok(()) => self.reset().await,
+                Err(why) => Err(why),
+            }),
+            _ => srv::Result::failed(code::FEATURE_UNSUPPORTED, "whoever started the server stops it"),
+        };
+        srv::Done { result }
+    }
+
+    /// Lists robots and movable objects.
+    fn entities(&self) -> Vec<Entity> {
+        let Some((_, snapshot)) = self.latest() else { return Vec::new() };
+        let robots = snapshot.robots.iter().map(|robot| {
+            let own = robot.body.pose.rotation;
+            let [linear, angular] = [robot.body.linear, robot.body.angular].map(|it| own.inverse() * it);
+            let upright = |it: nalgebra::Vector3<f64>| ros::Vector3 { x: it.x, y: -it.y, z: -it.z };
+            Entity {
+                name: if robot.name.is_empty() { format!("robot_{}", robot.id.0) } else { robot.name.clone() },
+                robot: Some(robot.id.0),
+                category: category::ROBOT,
+                description: robot.class.clone(),
+                state: srv::EntityState {
+                    header: header(snapshot.time, ros2_topics::MAP),
+                    pose: pose(&robot.body.pose),
+                    twist: ros::Twist { linear: upright(linear), angular: upright(angular) },
+                    acceleration: srv::Accel::default(),
+                },
+            }
+        });
+        let objects = snapshot.objects.iter().map(|object| Entity {
+            name: object.def.solid.name.clone(),
+            robot: None,
+            category: category::DYNAMIC_OBJECT,
+            description: object.def.solid.material.name.clone(),
+            state: srv::EntityState {
+                header: header(snapshot.time, ros2_topics::MAP),
+                pose: pose(&object.pose),
+                ..srv::EntityState::default()
+            },
+        });
+        robots.chain(objects).collect()
+    }
+
+    fn entity(&self, wanted: &str) -> Result<Entity, srv::Result> {
+        let found = self.entities().into_iter().find(|entity| entity.name == wanted);
+        found.ok_or_else(|| srv::Result::failed(code::NOT_FOUND, format!("no entity `{wanted}`")))
+    }
+
+    /// Finds entities: by a regular expression that matches the whole name, categories, and a box.
+    fn find(&self, filters: &srv::EntityFilters) -> (srv::Result, Vec<Entity>) {
+        let srv::EntityFilters { filter, categories, tags, bounds } = filters;
+        if !tags.tags.is_empty() {
+            return (srv::Result::failed(code::FEATURE_UNSUPPORTED, "entities have no tags"), Vec::new());
+        }
+        let corners = match (bounds.kind, bounds.points.as_slice()) {
+            (0, _) => None,
+            (srv::BOX, [one, other]) => Some([one, other].map(|it| [it.x, it.y, it.z])),
+            _ => {
+                let why = "expected no bounds, or a box by two corners";
+                return (srv::Result::failed(code::FEATURE_UNSUPPORTED, why), Vec::new());
+            }
+        };
+        let whole = regex::RegexBuilder::new(&format!("^(?:{filter})$")).size_limit(FILTER_BYTES).build();
+        let whole = match whole {
+            Ok(whole) => whole,
+            Err(error) => return (srv::Result::failed(code::OPERATION_FAILED, error.to_string()), Vec::new()),
+        };
+        let is_within = |entity: &Entity| {
+            let at = &entity.state.pose.position;
+            corners.is_none_or(|[one, other]| {
+                let sides = [at.x, at.y, at.z].into_iter().zip(one).zip(other);
+                sides.into_iter().all(|((at, one), other)| (one.min(other)..=one.max(other)).contains(&at))
+            })
+        };
+        let is_meant = |entity: &Entity| {
+            (filter.is_empty() || whole.is_match(&entity.name))
+                && (categories.is_empty() || categories.iter().any(|it| it.category == entity.category))
+                && is_within(entity)
+        };
+        (srv::Result::ok(), self.entities().into_iter().filter(is_meant).collect())
+    }
+
+    /// Puts a robot, or an object that a world controller made here, at a pose.
+    async fn set_entity_state(&self, wanted: srv::SetEntityState) -> srv::Done {
+        let done = |result| srv::Done { result };
+        let srv::SetEntityState { entity, state, set_pose, set_twist } = wanted;
+        let is_still = state.twist == ros::Twist::default();
+        if set_twist && !is_still {
+            return done(srv::Result::failed(
+                code::FEATURE_UNSUPPORTED,
+                "entities are put at rest: expected a twist of 0",
+            ));
+        }
+        if let Err(result) = self.entity(&entity) {
+            return done(result);
+        }
+        if !set_pose {
+            return done(srv::Result::ok());
+        }
+        let Some((location, rotation)) = placed(&state.header.frame_id, &state.pose) else {
+            return done(srv::Result::failed(code::INVALID_STATE_POSE, POSE_RULE));
+        };
+        if self.latest().is_some_and(|(scene, _)| scene.def().league.is_some()) {
+            return done(srv::Result::failed(code::OPERATION_FAILED, "a league moves no robots"));
+        }
+        let mut mover = self.mover.lock().await;
+        if mover.is_none() {
+            let init = Init { class_name: Init::CONTROLLER[0].to_owned(), name: "ROS 2".to_owned(), ..Init::default() };
+            let Ok(session) = self.entrance.open_program("ROS 2 services") else {
+                return done(srv::Result::failed(code::OPERATION_FAILED, "the server stops"));
+            };
+            if session.order(Command::Init(init)).await.is_ok() {
+                *mover = Some(session);
+            }
+        }
+        let Some(session) = mover.as_ref() else {
+            return done(srv::Result::failed(code::OPERATION_FAILED, "the server stops"));
+        };
+        let order = Move { name: entity, is_relative: false, location, rotation };
+        done(match session.order(Command::Control(Order::Move(order))).await {
+            Ok(answer) => match answer.problems.first() {
+                Some(problem) => srv::Result::failed(code::OPERATION_FAILED, problem.to_string()),
+                None => srv::Result::ok(),
+            },
+            Err(_) => srv::Result::failed(code::OPERATION_FAILED, "the server stops"),
+        })
+    }
+
+    fn spawnables(&self) -> srv::Spawnables {
+        let classes = self.latest().map(|(scene, _)| scene.def().robots.keys().cloned().collect::<Vec<_>>());
+        let spawnable = |class: String| srv::Spawnable {
+            entity_resource: srv::Resource { uri: class, resource_string: String::new() },
+            ..srv::Spawnable::default()
+        };
+        let spawnables = classes.unwrap_or_default().into_iter().map(spawnable).collect();
+        srv::Spawnables { result: srv::Result::ok(), spawnables }
+    }
+
+    async fn spawn_all(&self, wanted: srv::SpawnRequests) -> srv::SpawnResults {
+        let mut results = Vec::new();
+        if wanted.spawn_requests.len() > MOST_SPAWNED {
+            let why = format!("{} robots: expected at most {MOST_SPAWNED}", wanted.spawn_requests.len());
+            return srv::SpawnResults { result: srv::Result::failed(code::OPERATION_FAILED, why), results };
+        }
+        for request in wanted.spawn_requests {
+            results.push(self.spawn(request).await);
+        }
+        let failed = results.iter().filter(|it: &&srv::SpawnResult| it.result.result != code::OK).count();
+        let result = if failed == 0 {
+            srv::Result::ok()
+        } else {
+            srv::Result::failed(code::SPAWN_FAILED, format!("{failed} of {} did not come", results.len()))
+        };
+        srv::SpawnResults { result, results }
+    }
+
+    async fn spawn(&self, wanted: srv::SpawnEntity) -> srv::SpawnResult {
+        let failed = |result, why: String| srv::SpawnResult {
+            result: srv::Result::failed(result, why),
+            entity_name: String::new(),
+        };
+        let srv::SpawnEntity { name: called, allow_renaming, entity_resource, entity_namespace, initial_pose } = wanted;
+        let srv::Resource { uri, resource_string } = entity_resource;
+        if !resource_string.is_empty() {
+            let why = "robots are spawned by the names of their classes: `serve --robot FILE.urdf` adds one";
+            return failed(code::UNSUPPORTED_FORMAT, why.to_owned());
+        }
+        if uri.is_empty() {
+            return failed(
+                code::NO_RESOURCE,
+                "expected the name of a class as the URI: GetSpawnables lists them".to_owned(),
+            );
+        }
+        if !(entity_namespace.is_empty() || entity_namespace.trim_start_matches('/') == name(&called)) {
+            let why = format!("`{entity_namespace}`: a robot's namespace is its name");
+            return failed(code::NAMESPACE_INVALID, why);
+        }
+        let Some((location, rotation)) = placed(&initial_pose.header.frame_id, &initial_pose.pose) else {
+            return failed(code::INVALID_POSE, POSE_RULE.to_owned());
+        };
+        let taken: Vec<String> = self.entities().into_iter().map(|entity| entity.name).collect();
+        let is_free = |name: &String| !name.is_empty() && !taken.contains(name);
+        let own = if called.is_empty() && allow_renaming { uri.clone() } else { called.clone() };
+        let own = if is_free(&own) {
+            own
+        } else if !allow_renaming {
+            let (result, why) = match called.as_str() {
+                "" => (code::NAME_INVALID, "expected a name, or allow_renaming".to_owned()),
+                _ => (code::NAME_NOT_UNIQUE, format!("`{called}` is taken")),
+            };
+            return failed(result, why);
+        } else {
+            (2..).map(|number: u32| format!("{own}_{number}")).find(is_free).unwrap_or_default()
+        };
+        let init = Init { class_name: uri, name: own.clone(), location, rotation, ..Init::default() };
+        let mut spawner = self.spawner.lock().await;
+        if spawner.is_none() {
+            *spawner = self.entrance.open_program("ROS 2 services").ok();
+        }
+        let Some(session) = spawner.as_ref() else {
+            return failed(code::OPERATION_FAILED, "the server stops".to_owned());
+        };
+        match session.order(Command::Init(init)).await {
+            Ok(answer) => match answer.spawned {
+                Some(pawn) => {
+                    self.spawned.lock().unwrap_or_else(PoisonError::into_inner).push(pawn);
+                    srv::SpawnResult { result: srv::Result::ok(), entity_name: own }
+                }
+                None => {
+                    let why: Vec<String> = answer.problems.iter().map(ToString::to_string).collect();
+                    failed(code::OPERATION_FAILED, why.join("; "))
+                }
+            },
+            Err(_) => failed(code::OPERATION_FAILED, "the server stops".to_owned()),
+        }
+    }
+
+    async fn delete(&self, wanted: &str) -> srv::Done {
+        let result = match self.entity(wanted) {
+            Ok(Entity { robot: Some(robot), .. }) => outcome(self.control(Control::Remove(robot)).await),
+            Ok(_) => srv::Result::failed(code::OPERATION_FAILED, "the map has it: only robots can be deleted"),
+            Err(result) => result,
+        };
+        srv::Done { result }
+    }
+
+    fn named_poses(&self, asked: &srv::Tags) -> srv::NamedPoses {
+        let Some((scene, _)) = self.latest().filter(|_| asked.tags.tags.is_empty()) else {
+            return srv::NamedPoses { result: srv::Result::ok(), poses: Vec::new() };
+        };
+        let starts = scene.def().map.starts.iter();
+        let named = starts.map(|start| srv::NamedPose {
+            name: start.name.clone(),
+            pose: pose(&scene::pose(start.position, start.rotation)),
+            ..srv::NamedPose::default()
+        });
+        srv::NamedPoses { result: srv::Result::ok(), poses: named.collect() }
+    }
+
+    fn current_world(&self) -> srv::World {
+        let map = self.latest().map(|(scene, _)| scene.def().map.clone()).unwrap_or_default();
+        srv::World { result: srv::Result::ok(), world: world(&map.name, &map.description) }
+    }
+
+    /// Changes the map, and returns when the world is on it.
+    async fn load(&self, resource: srv::Resource) -> srv::World {
+        let failed =
+            |result, why: String| srv::World { result: srv::Result::failed(result, why), ..srv::World::default() };
+        let srv::Resource { uri, resource_string } = resource;
+        if !resource_string.is_empty() {
+            return failed(code::WORLD_UNSUPPORTED_FORMAT, "expected the name of a map as the URI".to_owned());
+        }
+        if uri.is_empty() {
+            return failed(code::WORLD_NO_RESOURCE, "expected the name of a map as the URI".to_owned());
+        }
+        if !self.maps.iter().any(|(name, _)| *name == uri) {
+            let names: Vec<&str> = self.maps.iter().map(|(name, _)| name.as_str()).collect();
+            return failed(code::NOT_FOUND, format!("no map `{uri}`: expected {}", names.join(", ")));
+        }
+        let loaded = async {
+            let before = self.health().await.ok_or("the server stops")?.resets;
+            self.control(Control::Map(uri.clone())).await?;
+            self.wait(|health| health.resets > before).await
+        };
+        match loaded.await {
+            Ok(()) => {
+                let about = self.maps.iter().find(|(name, _)| *name == uri).map_or("", |(_, about)| about.as_str());
+                srv::World { result: srv::Result::ok(), world: world(&uri, about) }
+            }
+            Err(why) => failed(code::OPERATION_FAILED, why),
+        }
+    }
+}
+
+/// Rule of a pose in a request.
+const POSE_RULE: &str = "expected finite numbers in the frame map";
+
+/// Returns position and angles of the wire for a pose in the map; `None` if it is in another frame or not finite.
+fn placed(frame: &str, at: &ros::Pose) -> Option<([f64; 3], [f64; 3])> {
+    let is_map = ["", "map", "world"].contains(&frame.trim_start_matches('/'));
+    let placed = scene::position_and_rotation(&from_pose(at));
+    let is_finite = placed.0.iter().chain(&placed.1).all(|number| number.is_finite());
+    (is_map && is_finite).then_some(placed)
+}
+
+fn world(name: &str, description: &str) -> srv::WorldResource {
+    srv::WorldResource {
+        name: name.to_owned(),
+        world_resource: srv::Resource { uri: name.to_owned(), resource_string: String::new() },
+        description: description.to_owned(),
+        tags: Vec::new(),
+    }
+}
+
+fn triggered(outcome: Result<(), String>) -> srv::Triggered {
+    srv::Triggered { success: outcome.is_ok(), message: outcome.err().unwrap_or_default() }
+}
+
+fn outcome(outcome: Result<(), String>) -> srv::Result {
+    outcome.map_or_else(|why| srv::Result::failed(code::OPERATION_FAILED, why), |()| srv::Result::ok())
+}
+
+/// Services that are being offered.
+struct Offer<'a> {
+    node: &'a mut Node,
+    desk: &'a Desk,
+    tasks: Vec<tokio::task::JoinHandle<()>>,
+}
+
+impl Offer<'_> {
+    /// Offers a service of simulation_interfaces by the name of its type, as `/usarsim/get_entities` for `GetEntities`.
+    fn standard<Q: Request + 'static, R: Serialize + 'static>(
+        &mut self,
+        kind: &str,
+        answer: impl AsyncFn(&Desk, Q) -> R + 'static,
+    ) {
+        self.add(&snake(kind), &format!("simulation_interfaces/{kind}"), answer);
+    }
+
+    fn add<Q: Request + 'static, R: Serialize + 'static>(
+        &mut self,
+        called: &str,
+        kind: &str,
+        answer: impl AsyncFn(&Desk, Q) -> R + 'static,
+    ) {
+        self.add_read(called, kind, Q::read, answer);
+    }
+
+    /// Offers SetEntityState, which has two versions.
+    fn set_entity_state(&mut self) {
+        let answer = async |desk: &Desk, wanted: srv::SetEntityState| desk.set_entity_state(wanted).await;
+        self.add_read("set_entity_state", "simulation_interfaces/SetEntityState", srv::SetEntityState::read, answer);
+    }
+
+    fn add_read<Q: 'static, R: Serialize + 'static>(
+        &mut self,
+        called: &str,
+        kind: &str,
+        read: fn(&[u8]) -> Option<Q>,
+        answer: impl AsyncFn(&Desk, Q) -> R + 'static,
+    ) {
+        let Some((mut requests, replier)) = self.node.offer(&format!("/usarsim/{called}"), kind) else { return };
+        let desk = self.desk.clone();
+        self.tasks.push(tokio::task::spawn_local(async move {
+            while let Some(sample) = requests.next().await {
+                let Ok(sample) = sample else { continue };
+                // A request that cannot be read has no answer: its client waits as for a service that is not there.
+                if let Some(request) = read(&sample.value().0) {
+                    let response = answer(&desk, request).await;
+                    replier.reply(sample.sample_info().sample_identity(), &response);
+                }
+                tokio::task::yield_now().await;
+            }
+        }));
+    }
+}
+
+/// Returns the name of a service for the name of its type: `get_entities` for `GetEntities`.
+fn snake(kind: &str) -> String {
+    let mut name = String::new();
+    for letter in kind.chars() {
+        if letter.is_ascii_uppercase() && !name.is_empty() {
+            name.push('_');
+        }
+        name.push(letter.to_ascii_lowercase());
+    }
+    name
+}
