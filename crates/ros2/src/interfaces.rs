@@ -24,20 +24,20 @@ pub(crate) mod code {
     pub(crate) const NOT_FOUND: u8 = 2;
     pub(crate) const INCORRECT_STATE: u8 = 3;
     pub(crate) const OPERATION_FAILED: u8 = 4;
-    /// Of SpawnEntity.
+    // SpawnEntity
     pub(crate) const NAME_NOT_UNIQUE: u8 = 101;
     pub(crate) const NAME_INVALID: u8 = 102;
     pub(crate) const UNSUPPORTED_FORMAT: u8 = 103;
     pub(crate) const NO_RESOURCE: u8 = 104;
     pub(crate) const NAMESPACE_INVALID: u8 = 105;
     pub(crate) const INVALID_POSE: u8 = 109;
-    /// Of SpawnEntities.
+    // SpawnEntities
     pub(crate) const SPAWN_FAILED: u8 = 150;
-    /// Of SetEntityState.
+    // SetEntityState
     pub(crate) const INVALID_STATE_POSE: u8 = 101;
-    /// Of SetSimulationState.
+    // SetSimulationState
     pub(crate) const ALREADY_IN_TARGET_STATE: u8 = 101;
-    /// Of LoadWorld.
+    // LoadWorld
     pub(crate) const WORLD_UNSUPPORTED_FORMAT: u8 = 101;
     pub(crate) const WORLD_NO_RESOURCE: u8 = 102;
 }

@@ -28,7 +28,7 @@ const DEPTH: i32 = 10;
 /// Messages that wait for subscribers that do not acknowledge them. A killed one is known to be gone after 20 s, and others get nothing new
 /// while the room is full: 100 messages a second fit for 40 s.
 const MOST_WAITING: i32 = 4000;
-/// The same for topics of pictures and clouds, which are some 30 kB each and at most 10 a second.
+/// Pictures and clouds that wait so, which are some 30 kB each and at most 10 a second.
 const MOST_PICTURES_WAITING: i32 = 400;
 
 /// A message as bytes of CDR, little endian.

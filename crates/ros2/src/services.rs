@@ -31,7 +31,7 @@ const FILTER_BYTES: usize = 1 << 16;
 /// The newest scene and snapshot.
 pub(crate) type Latest = Arc<Mutex<Option<(CompiledScene, Arc<Snapshot>)>>>;
 
-/// What the services need.
+/// State that the services share.
 #[derive(Clone)]
 pub(crate) struct Desk {
     inquiry: Inquiry,

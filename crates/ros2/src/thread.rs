@@ -26,7 +26,7 @@ const FAREWELL: Duration = Duration::from_millis(300);
 /// Levels of diagnostics (diagnostic_msgs/msg/DiagnosticStatus).
 const OK: u8 = 0;
 const WARN: u8 = 1;
-/// What the thread shares with others.
+/// Settings of the thread, and state that it shares with others.
 pub(crate) struct Shared {
     pub(crate) options: Options,
     /// One wheel-speed unit of the protocol, rad/s.

@@ -1,0 +1,233 @@
+"""Stock nodes of two distributions and a participant of CycloneDDS against the server. Usage: check.py [NAME ..]"""
+
+import contextlib
+import json
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+HERE = pathlib.Path(__file__).parent
+ROOT = HERE.parent.parent
+DISTRIBUTIONS = ["jazzy", "kilted"]
+# What one distribution sets for itself keeps the Python of another from starting.
+ENVIRONMENT = {key: value for key, value in os.environ.items() if key not in ("LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")}
+
+
+@contextlib.contextmanager
+def served(*arguments, ros2=True, log=None, code=0):
+    """A server on a free port; yields its port."""
+    command = [os.environ["USARSIM"], "serve", "--port", "0", "--json", "--no-http", *arguments]
+    command += ["--ros2"] if ros2 else []
+    command += ["--log", log] if log else []
+    server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        yield json.loads(server.stdout.readline())["port"]
+        assert server.poll() is None, "the server has ended"
+        server.send_signal(signal.SIGTERM)
+        assert server.wait(10) == code
+    finally:
+        server.kill()
+
+
+class Wire:
+    """A client of USARSim: it has a robot, and reads what it gets."""
+
+    def __init__(self, port, line):
+        self.socket = socket.create_connection(("127.0.0.1", port))
+        self.send(line)
+        threading.Thread(target=self.read, daemon=True).start()
+
+    def send(self, line):
+        self.socket.sendall(f"{line}\r\n".encode())
+
+    def read(self):
+        with contextlib.suppress(OSError):
+            while self.socket.recv(65536):
+                pass
+
+    def close(self):
+        self.socket.shutdown(socket.SHUT_RDWR)
+        self.socket.close()
+
+
+def peer(distribution, *arguments):
+    script = "cyclone.py" if distribution == "cyclone" else "node.py"
+    python = ROOT / "target/ros2" / distribution / "bin/python"
+    return subprocess.Popen([python, HERE / script, *map(str, arguments)], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT)
+
+
+def result(process, timeout=120):
+    output, _ = process.communicate(timeout=timeout)
+    assert process.returncode == 0, process.args
+    return json.loads(output.splitlines()[-1])
+
+
+def ask(distribution, *arguments):
+    return result(peer(distribution, *arguments))
+
+
+def check_steps(seen, topic, step, least):
+    """No message of a topic is missing: all stamps are as far apart as they should be."""
+    of = seen[topic]
+    assert of["count"] >= least, (topic, of)
+    assert set(of["steps"]) == {str(step)}, (topic, of)
+
+
+def topics():
+    """Every topic at its rate, without a loss, to both distributions and CycloneDDS at once; late subscribers get what does not change."""
+    seconds = 6
+    with served("--map", "rough") as port:
+        robots = [Wire(port, "INIT {ClassName USARBot.P3AT} {Name R1} {Location 0,0,0}"), Wire(port, "INIT {ClassName USARBot.KUKA_YouBot} {Name R2} {Location 0,3,0}")]
+        wanted = [f"/R1/{topic}" for topic in ["odom", "ground_truth", "joint_states", "scan", "imu", "image_raw/compressed", "camera_info", "battery_state", "robot_description"]]
+        wanted += ["/R2/odom", "/R2/scan", "/R2/joint_states"]
+        peers = [peer(distribution, "listen", seconds, *wanted) for distribution in DISTRIBUTIONS]
+        transforms = peer("cyclone", "transforms", seconds, "R1/lms200")
+        for seen in map(result, peers):
+            for topic in ["/R1/odom", "/R1/ground_truth", "/R1/joint_states", "/R2/odom", "/R2/joint_states"]:
+                check_steps(seen, topic, 0.02, 50 * seconds)
+            check_steps(seen, "/clock", 0.01, 100 * seconds)
+            for topic, rate in [("/R1/scan", 5), ("/R1/imu", 5), ("/R1/image_raw/compressed", 10), ("/R1/camera_info", 10)]:
+                step = 1 / rate
+                check_steps(seen, topic, step, rate * (seconds - 1))
+            assert seen["/R1/image_raw/compressed"]["size"] == [640, 480], seen["/R1/image_raw/compressed"]
+            assert seen["/R1/scan"]["beams"] == 181
+            assert seen["/R1/robot_description"]["text"].startswith("<?xml"), seen["/R1/robot_description"]
+            assert "usarsim" in seen["nodes"], seen["nodes"]
+            assert seen["topics"]["/R1/cmd_vel"] == ["geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"], seen["topics"]
+            assert seen["/diagnostics"]["values"]["messages left out"] == "0", seen["/diagnostics"]
+        hung = result(transforms)
+        assert set(hung["steps"]) == {"0.02"} and hung["count"] > 50 * (seconds - 2), hung
+        assert hung["chain"] == ["R1/lms200", "R1/base_link", "R1/odom"], hung
+        del robots
+    return f"{len(wanted) + 2} topics"
+
+
+def orders():
+    """Robots go what is asked, within 1 %, whoever owns them, and stop when nothing is asked; the log replays."""
+    asked = [
+        ("R1", "P3AT", [0.3, 0.0, 0.0], "Twist"),
+        ("R1", "P3AT", [0.0, 0.0, 0.5], "TwistStamped"),
+        ("R2", "KUKA_YouBot", [0.0, 0.2, 0.0], "Twist"),
+        ("R2", "KUKA_YouBot", [0.2, 0.0, 0.0], "TwistStamped"),
+    ]
+    with tempfile.TemporaryDirectory() as folder:
+        log = f"{folder}/run.mcap"
+        with served("--map", "rough", log=log) as port:
+            robots = [Wire(port, "INIT {ClassName USARBot.P3AT} {Name R1} {Location 0,0,0}"), Wire(port, "INIT {ClassName USARBot.KUKA_YouBot} {Name R2} {Location 0,4,0}")]
+            for index, (space, _, velocity, kind) in enumerate(asked):
+                got = ask(DISTRIBUTIONS[index % 2], "drive", f"/{space}", *velocity, kind)
+                for name in ["truth", "odom"]:
+                    for part, number in zip(got[name], velocity):
+                        # A skid robot whose weight is off its middle slips sideways when it turns.
+                        slack = 0.02 if space == "R1" and velocity[2] != 0 and number == 0 else 0.01 * max(map(abs, velocity))
+                        assert abs(part - number) <= slack, (space, velocity, name, got)
+                assert all(abs(part) < 0.01 for part in got["after"]), (space, velocity, got)
+            del robots
+        replayed = subprocess.run([os.environ["USARSIM"], "log", "replay", log], capture_output=True, text=True)
+        assert replayed.returncode == 0 and "same bits" in replayed.stdout, replayed
+    return f"{len(asked)} velocities"
+
+
+def joints():
+    """An arm follows a trajectory."""
+    with served("--map", "rough") as port:
+        robot = Wire(port, "INIT {ClassName USARBot.Kenaf} {Name K} {Location 0,0,0}")
+        got = ask("jazzy", "joints", "/K", "FLFlipper", "-0.8")
+        assert -0.6 < got["half"] < -0.2, got
+        del robot
+    return f"half way at {got['half']:.2f} rad"
+
+
+def services():
+    """std_srvs stop, step and reset the world."""
+    with served("--map", "rough") as port:
+        robot = Wire(port, "INIT {ClassName USARBot.P3AT} {Name R1} {Location 0,0,0}")
+        for distribution in DISTRIBUTIONS:
+            got = ask(distribution, "services")
+            assert got["paused"] == 0 and got["stepped"] >= 1 and got["reset"] < 2.0, got
+        del robot
+    return "pause, step, resume, reset"
+
+
+def standard():
+    """simulation_interfaces spawns, moves and deletes robots, steps, and changes the world."""
+    with served("--map", "rough"):
+        got = ask("cyclone", "standard")
+    return f"{got['features']} features, {got['spawnables']} classes"
+
+
+def comings_and_goings():
+    """A node that is killed holds up nobody, and a robot that leaves takes its topics along; with ten robots each has its own."""
+    with served("--map", "rough") as port:
+        robots = [Wire(port, f"INIT {{ClassName USARBot.P3AT}} {{Name R{number}}} {{Location {2 * number},0,0}}") for number in range(10)]
+        wanted = [f"/R{number}/odom" for number in range(10)]
+        killed = peer("jazzy", "listen", 60, *wanted)
+        time.sleep(3)
+        watching = peer("kilted", "listen", 8, *wanted)
+        time.sleep(3)
+        killed.kill()
+        killed.wait()
+        seen = result(watching)
+        for topic in wanted:
+            check_steps(seen, topic, 0.02, 350)
+        robots.pop().close()
+        time.sleep(1)
+        # A node that comes now does not see it at the server's node, nor does CycloneDDS in its graph. (Fast DDS ignores a disposal
+        # without its key's hash, which RustDDS does not send, and keeps the names of its topics.)
+        later = ask("kilted", "listen", 1, "/R0/odom")
+        assert "/R9/odom" not in later["published"] and "/R8/odom" in later["published"], later["published"]
+        names = ask("cyclone", "graph", 1)
+        assert "rt/R9/odom" not in names and "rt/R8/odom" in names, names
+        del robots
+    return "10 robots"
+
+
+def closed():
+    """Without --ros2 there is no socket of it; with tokens it has to be allowed; a variable of ROS can close it."""
+    count = lambda: sum(len(pathlib.Path(f"/proc/net/{name}").read_text().splitlines()) - 1 for name in ["udp", "udp6"])  # noqa: E731
+    with served("--map", "rough", ros2=False):
+        assert count() == 0, count()
+    with served("--map", "rough"):
+        assert count() > 0
+    with tempfile.TemporaryDirectory() as folder:
+        tokens = pathlib.Path(folder) / "tokens.toml"
+        tokens.write_text('[[token]]\ntoken = "0123456789abcdef0123456789abcdef"\nroles = ["driver"]\n')
+        command = [os.environ["USARSIM"], "serve", "--port", "0", "--no-http", "--ros2", "--token-file", str(tokens)]
+        refused = subprocess.run(command, capture_output=True, text=True, timeout=20)
+        assert refused.returncode == 2 and "--ros2-unguarded" in refused.stderr, refused
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
+    with served("--map", "rough"):
+        assert count() == 0, count()
+    del os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"]
+    return "no socket"
+
+
+def wall_follower():
+    """A few lines of rclpy drive round the arena, through its corridor."""
+    with served("--map", "arena", "--rtf", "2") as port:
+        robot = Wire(port, "INIT {ClassName USARBot.P3AT} {Name R1} {Start RobotStart1}")
+        got = ask("kilted", "follow", "/R1")
+        assert got["round"], got
+        del robot
+    return f"once round in {got['took']:.0f} s"
+
+
+CHECKS = [topics, orders, joints, services, standard, comings_and_goings, closed, wall_follower]
+
+
+def main():
+    names = sys.argv[1:]
+    for check in CHECKS:
+        if not names or check.__name__ in names:
+            start = time.time()
+            print(f"{check.__name__}: {check()} ({time.time() - start:.0f} s)", flush=True)
+
+
+if __name__ == "__main__":
+    main()
