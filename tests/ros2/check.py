@@ -4,8 +4,11 @@ import contextlib
 import json
 import os
 import pathlib
+import random
+import re
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -16,29 +19,32 @@ HERE = pathlib.Path(__file__).parent
 ROOT = HERE.parent.parent
 DISTRIBUTIONS = ["jazzy", "kilted"]
 # What one distribution sets for itself keeps the Python of another from starting.
+SERVERS = []
 ENVIRONMENT = {key: value for key, value in os.environ.items() if key not in ("LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")}
 
 
 @contextlib.contextmanager
-def served(*arguments, ros2=True, log=None, code=0):
+def served(*arguments, ros2=True, log=None, stderr=None):
     """A server on a free port; yields its port."""
     command = [os.environ["USARSIM"], "serve", "--port", "0", "--json", "--no-http", *arguments]
     command += ["--ros2"] if ros2 else []
     command += ["--log", log] if log else []
-    server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    server = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=stderr, text=True)
+    SERVERS.append(server.pid)
     try:
         yield json.loads(server.stdout.readline())["port"]
         assert server.poll() is None, "the server has ended"
         server.send_signal(signal.SIGTERM)
-        assert server.wait(10) == code
+        assert server.wait(10) == 0
     finally:
         server.kill()
 
 
 class Wire:
-    """A client of USARSim: it has a robot, and reads what it gets."""
+    """A client of USARSim: it has a robot, and reads what it gets. `time` is the simulated time."""
 
     def __init__(self, port, line):
+        self.time, self.server = 0.0, SERVERS[-1:]
         self.socket = socket.create_connection(("127.0.0.1", port))
         self.send(line)
         threading.Thread(target=self.read, daemon=True).start()
@@ -48,8 +54,9 @@ class Wire:
 
     def read(self):
         with contextlib.suppress(OSError):
-            while self.socket.recv(65536):
-                pass
+            while got := self.socket.recv(65536):
+                times = re.findall(rb"{Time ([0-9.]+)}", got)
+                self.time = float(times[-1]) if times else self.time
 
     def close(self):
         self.socket.shutdown(socket.SHUT_RDWR)
@@ -208,6 +215,55 @@ def closed():
     return "no socket"
 
 
+def forged(seconds):
+    """Sends packets that nodes did not send: garbage, genuine ones with changed bytes, and HEARTBEATs of a known writer that promise a
+    million million messages. Each makes a participant of RustDDS take all memory that it can have."""
+    ear = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(3))
+    ear.bind(("lo", 0))
+    ear.settimeout(0.2)
+    mouth = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    heard, prefixes, sent, end = [], set(), 0, time.time() + seconds
+    while time.time() < end:
+        with contextlib.suppress(TimeoutError):
+            packet = ear.recv(65536)[42:]
+            if packet[:4] == b"RTPS" and len(heard) < 500:
+                heard.append(packet)
+                prefixes.add(packet[:20])
+        for packet in random.sample(heard, min(len(heard), 20)):
+            changed = bytearray(packet)
+            for _ in range(4):
+                changed[random.randrange(20, len(changed))] = random.randrange(256)
+            garbage = random.randbytes(random.randrange(1, 1400))
+            beats = [prefix + struct.pack("<BBHIIiIiIi", 7, 1, 28, 0, 0xC2030000, 0, 1, 256, 0, 1 << 20) for prefix in prefixes]
+            for port in range(7410, 7420):
+                for bytes_ in [bytes(changed), garbage, *beats]:
+                    with contextlib.suppress(OSError):
+                        mouth.sendto(bytes_, ("127.0.0.1", port))
+                        sent += 1
+    return sent
+
+
+def flood():
+    """Forged packets do not reach the world: it keeps its pace and its memory, and the node is there again after them."""
+    with tempfile.TemporaryFile("w+") as said, served("--map", "rough", stderr=said) as port:
+        robot = Wire(port, "INIT {ClassName USARBot.P3AT} {Name R1} {Location 0,0,0}")
+        victim = peer("kilted", "listen", 30, "/R1/odom")
+        time.sleep(2)
+        at = [robot.time, time.time()]
+        sent = forged(8)
+        pace = (robot.time - at[0]) / (time.time() - at[1])
+        victim.kill()
+        assert pace > 0.95, pace
+        said.seek(0)
+        assert "it is started again" in said.read(), "the packets did no harm: this test shows nothing"
+        seen = ask("jazzy", "listen", 2, "/R1/odom")
+        check_steps(seen, "/R1/odom", 0.02, 90)
+        memory = max(int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1]) * 4096 for pid in robot.server)
+        assert memory < 300e6, memory
+        del robot
+    return f"{sent} packets, pace {pace:.3f}, {memory / 1e6:.0f} MB"
+
+
 def wall_follower():
     """A few lines of rclpy drive round the arena, through its corridor."""
     with served("--map", "arena", "--rtf", "2") as port:
@@ -218,7 +274,7 @@ def wall_follower():
     return f"once round in {got['took']:.0f} s"
 
 
-CHECKS = [topics, orders, joints, services, standard, comings_and_goings, closed, wall_follower]
+CHECKS = [topics, orders, joints, services, standard, comings_and_goings, closed, flood, wall_follower]
 
 
 def main():

@@ -167,12 +167,20 @@ impl Topics {
             Some(std::iter::once(mount).chain(optical))
         });
         let fixed = links.chain(mounts.flatten()).collect();
-        let description = ros::Text { data: description::urdf(def, &space.prefix) };
-        let topic = space.topic("robot_description");
         let def = def.clone();
         self.robots.insert(robot, Robot { space, def, sensors, odometer: None, fixed, depths: BTreeMap::new() });
+        self.announce(time, robot, sink)
+    }
+
+    /// Publishes what does not change about a robot.
+    ///
+    /// # Errors
+    /// When the sink fails.
+    pub fn announce<S: Sink>(&self, time: f64, robot: u64, sink: &mut S) -> Result<(), S::Error> {
+        let Some(Robot { space, def, .. }) = self.robots.get(&robot) else { return Ok(()) };
         self.publish_fixed(time, sink)?;
-        sink.publish(time, &topic, &description)
+        let description = ros::Text { data: description::urdf(def, &space.prefix) };
+        sink.publish(time, &space.topic("robot_description"), &description)
     }
 
     /// Forgets a robot that has left. Returns its names.

@@ -4,21 +4,27 @@
 //! the crate `ros2-topics`, and gives the orders of other nodes to the world by its entrance, as programs in the server's process do. A slow
 //! or dead node makes nobody wait: queues are bounded, and what finds no room is left out and counted.
 //!
+//! DDS runs in a process of its own with little memory ([`run_node`]), as forged packets can take all that it has. The server starts it again.
+//!
 //! DDS has no password. By default only this machine is spoken to, whatever the server's own address is.
 
 mod cameras;
+mod dds;
 mod feed;
 mod interfaces;
 mod node;
 mod orders;
+mod pipe;
 mod services;
 mod thread;
 
+use std::ffi::OsString;
 use std::net::Ipv4Addr;
 
 use served_world::Entrance;
 use tokio::sync::mpsc::channel;
 
+pub use dds::run as run_node;
 pub use feed::Feed;
 pub use ros2_topics::Namespaces;
 
@@ -28,6 +34,8 @@ pub const LAST_DOMAIN: u16 = 101;
 /// Settings of the node.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
+    /// The program of the node's process, with its arguments: it calls [`run_node`].
+    pub program: Vec<OsString>,
     /// The domain (ROS_DOMAIN_ID), 0 to [`LAST_DOMAIN`].
     pub domain: u16,
     /// Address of this machine at which it speaks and listens. Anything but 127.0.0.1 lets other machines drive robots.
@@ -48,6 +56,7 @@ impl Default for Options {
     /// Domain 0, this machine alone.
     fn default() -> Self {
         Self {
+            program: Vec::new(),
             domain: 0,
             address: Ipv4Addr::LOCALHOST,
             namespaces: Namespaces::default(),
@@ -75,7 +84,7 @@ pub enum StartError {
 /// # Errors
 /// When the domain cannot be joined.
 pub fn start(options: Options, unit: f64, entrance: Entrance) -> Result<Feed, StartError> {
-    let node = node::Node::join(options.domain, options.address)?;
+    let node = node::Node::join(options.program.clone(), options.domain, options.address)?;
     let (items, received) = channel(feed::MOST_WAITING);
     let (wanted, time) = (feed::Wanted::default(), orders::time());
     let shared = thread::Shared { options, unit, entrance, wanted: wanted.clone(), time: time.clone() };

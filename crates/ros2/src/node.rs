@@ -1,195 +1,196 @@
-//! A node of ROS 2 on DDS: topics by name, and what other nodes see in their graph.
-//!
-//! Names and types are those that rmw_fastrtps and rmw_cyclonedds use: `rt/` before a topic, `rq/` and `rr/` before a service's request and
-//! reply. Messages go in and out as bytes of CDR, so there is one type of writers and one of readers.
+//! A node of ROS 2: topics by name. DDS is a process of its own, which this starts, tells, hears, and starts again if it ends.
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::io::{BufReader, BufWriter, Write};
 use std::net::Ipv4Addr;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver as Orders, SyncSender, TrySendError, sync_channel};
+use std::time::{Duration, Instant};
 
 use ros2_topics::{Message, Sink, is_latched};
-use rustdds::bytes::Bytes;
-use rustdds::dds::no_key::{DataReaderStream, DataWriter};
-use rustdds::no_key::{Decode, DefaultDecoder, DeserializerAdapter, SerializerAdapter};
-use rustdds::policy::{Durability, History, ResourceLimits};
-use rustdds::{
-    DataWriterStatus, DomainParticipant, DomainParticipantBuilder, Duration, GUID, Publisher, QosPolicies,
-    QosPolicyBuilder, RTPSEntity, RepresentationIdentifier, SampleIdentity, StatusEvented, Subscriber, TopicKind,
-    WriteOptionsBuilder,
-};
-use serde::Serialize;
-use tracing::debug;
+use rustdds::SampleIdentity;
+use tokio::sync::mpsc::error::TryRecvError;
+use tokio::sync::mpsc::{Receiver, Sender, UnboundedReceiver, channel, unbounded_channel};
+use tracing::{debug, warn};
 
 use crate::StartError;
+use crate::pipe::{self, Event, Order, Terms};
 
-/// Topic on which each participant says which node has which topics, and its type (rmw_dds_common).
-const GRAPH: [&str; 2] = ["ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"];
-/// Messages that a topic keeps for late or slow subscribers.
-const DEPTH: i32 = 10;
-/// Messages that wait for subscribers that do not acknowledge them. A killed one is known to be gone after 20 s, and others get nothing new
-/// while the room is full: 100 messages a second fit for 40 s.
-const MOST_WAITING: i32 = 4000;
-/// Pictures and clouds that wait so, which are some 30 kB each and at most 10 a second.
-const MOST_PICTURES_WAITING: i32 = 400;
+/// Orders to the process that wait. Further messages are left out; if it takes nothing for [`PATIENCE`], it is ended.
+const MOST_ORDERS: usize = 1024;
+/// Messages of others on a topic that wait. Further ones are left out.
+const MOST_HEARD: usize = 64;
+/// Longest time without taking an order.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Longest time to join the domain, and to leave it.
+const JOIN_TIME: Duration = Duration::from_secs(10);
+const LEAVE_TIME: Duration = Duration::from_secs(1);
+/// Time between two starts of the process.
+const REST: Duration = Duration::from_secs(1);
 
-/// A message as bytes of CDR, little endian.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Raw(pub(crate) Bytes);
-
-/// The encoding of [`Raw`]: none.
-pub(crate) struct Plain;
-
-/// A message that cannot be read.
-#[derive(Debug, thiserror::Error)]
-#[error("a message in {0:?}: expected CDR, little endian")]
-pub(crate) struct Unreadable(RepresentationIdentifier);
-
-impl SerializerAdapter<Raw> for Plain {
-    type Error = Unreadable;
-
-    fn output_encoding() -> RepresentationIdentifier {
-        RepresentationIdentifier::CDR_LE
-    }
-
-    fn to_bytes(Raw(bytes): &Raw) -> Result<Bytes, Unreadable> {
-        Ok(bytes.clone())
-    }
-}
-
-impl DeserializerAdapter<Raw> for Plain {
-    type Error = Unreadable;
-    type Decoded = Raw;
-
-    fn supported_encodings() -> &'static [RepresentationIdentifier] {
-        &[RepresentationIdentifier::CDR_LE]
-    }
-
-    fn transform_decoded(decoded: Raw) -> Raw {
-        decoded
-    }
-}
-
-impl DefaultDecoder<Raw> for Plain {
-    type Decoder = Copying;
-    const DECODER: Copying = Copying;
-}
-
-/// A decoder that keeps the bytes.
-#[derive(Clone)]
-pub(crate) struct Copying;
-
-impl Decode<'_, Raw> for Copying {
-    type Error = Unreadable;
-
-    fn decode_bytes(self, bytes: &[u8], encoding: RepresentationIdentifier) -> Result<Raw, Unreadable> {
-        if encoding == RepresentationIdentifier::CDR_LE {
-            return Ok(Raw(Bytes::copy_from_slice(bytes)));
-        }
-        Err(Unreadable(encoding))
-    }
-}
-
-/// Messages of others on one topic.
-pub(crate) type Incoming = DataReaderStream<Raw, Plain>;
+/// Messages of others on one topic, each with its identity, which a reply names.
+pub(crate) type Incoming = Receiver<(SampleIdentity, Vec<u8>)>;
 
 /// Owner of topics: a robot by its number, or the world.
 pub(crate) type Owner = Option<u64>;
 
-/// A participant of DDS with one node.
+/// A node. Its topics, subscriptions and services stay when its process is started again.
 pub(crate) struct Node {
-    participant: DomainParticipant,
-    publisher: Publisher,
-    subscriber: Subscriber,
-    graph: DataWriter<Raw, Plain>,
-    writers: BTreeMap<String, Outgoing>,
-    /// Topics and services that it listens to, with their owners.
-    readers: Vec<(Owner, GUID)>,
-    /// Writers of replies.
-    repliers: Vec<GUID>,
-    /// True if the graph has changed and nobody has been told.
-    has_changed: bool,
+    program: Vec<OsString>,
+    domain: u16,
+    address: Ipv4Addr,
+    process: Option<Process>,
+    /// Time of the last start.
+    started: Instant,
+    topics: BTreeMap<String, Outgoing>,
+    readers: BTreeMap<u32, Reader>,
+    /// The number of the next topic, subscription or service.
+    next: u32,
     /// Owner of the topics that the next messages open.
     owner: Owner,
-    /// Messages that found no room.
-    refused: u64,
+    /// Messages that found no room here, and in the process.
+    refused: [u64; 2],
+    /// True if it has been said that the process ended.
+    has_complained: bool,
 }
 
 /// A topic that it publishes.
 struct Outgoing {
-    writer: DataWriter<Raw, Plain>,
+    number: u32,
+    kind: String,
+    terms: Terms,
     owner: Owner,
     /// Subscribers now.
-    matched: i32,
+    subscribers: i32,
+    /// The last message, if late subscribers get it.
+    last: Option<Vec<u8>>,
 }
 
-impl Outgoing {
-    /// Takes the news of subscribers that came or left. True if there are any now.
-    fn has_subscribers(&mut self) -> bool {
-        while let Some(status) = self.writer.try_recv_status() {
-            if let DataWriterStatus::PublicationMatched { current, .. } = status {
-                self.matched = current.count();
+/// A subscription, or a service.
+struct Reader {
+    owner: Owner,
+    order: Order,
+    heard: Sender<(SampleIdentity, Vec<u8>)>,
+}
+
+/// The process of DDS.
+struct Process {
+    child: Child,
+    orders: SyncSender<Order>,
+    events: UnboundedReceiver<Event>,
+    /// Time of the first order of those that it did not take.
+    stuck_since: Option<Instant>,
+    /// True if its end of the pipe is closed.
+    has_ended: bool,
+}
+
+impl Process {
+    /// Starts the process and joins a domain.
+    fn start(program: &[OsString], domain: u16, address: Ipv4Addr) -> Result<Self, StartError> {
+        let failed = |why: String| StartError::Join(why);
+        let (first, rest) = program.split_first().ok_or_else(|| failed("no program for the node".to_owned()))?;
+        let mut command = Command::new(first);
+        // What it says when its memory ends is not for users.
+        command.args(rest).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+        // Ctrl-C at the terminal is for the server, which then closes the pipe.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut child = command.spawn().map_err(|error| failed(format!("{}: {error}", first.display())))?;
+        let pipes = child.stdin.take().zip(child.stdout.take());
+        let (stdin, stdout) = pipes.ok_or_else(|| failed("no pipes".to_owned()))?;
+        let (orders, waiting) = sync_channel(MOST_ORDERS);
+        let (hear, mut events) = unbounded_channel();
+        let thread = |name: &str| std::thread::Builder::new().name(name.to_owned());
+        thread("ROS 2 orders").spawn(move || hand_over(stdin, &waiting))?;
+        thread("ROS 2 events").spawn(move || {
+            let mut pipe = BufReader::new(stdout);
+            while let Ok(event) = pipe::read::<Event>(&mut pipe) {
+                if hear.send(event).is_err() {
+                    return;
+                }
+            }
+        })?;
+        // There is room for the first order.
+        let _ = orders.try_send(Order::Join { domain, address });
+        let end = Instant::now() + JOIN_TIME;
+        let joined = loop {
+            match events.try_recv() {
+                Ok(Event::Joined(joined)) => break joined,
+                Ok(_) => {}
+                Err(TryRecvError::Disconnected) => break Err("its process ended".to_owned()),
+                Err(_) if Instant::now() > end => break Err(format!("not within {} s", JOIN_TIME.as_secs())),
+                Err(_) => std::thread::sleep(Duration::from_millis(2)),
+            }
+        };
+        let process = Self { child, orders, events, stuck_since: None, has_ended: false };
+        joined.map(|()| process).map_err(failed)
+    }
+
+    /// Hands over an order. False if there is no room.
+    fn order(&mut self, order: Order) -> bool {
+        match self.orders.try_send(order) {
+            Ok(()) => {
+                self.stuck_since = None;
+                true
+            }
+            Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => {
+                self.stuck_since.get_or_insert_with(Instant::now);
+                false
             }
         }
-        self.matched > 0
+    }
+
+    /// True if it has ended, or takes nothing.
+    fn is_gone(&mut self) -> bool {
+        self.stuck_since.is_some_and(|since| since.elapsed() > PATIENCE) || !matches!(self.child.try_wait(), Ok(None))
     }
 }
 
-/// `rmw_dds_common/msg/ParticipantEntitiesInfo`.
-#[derive(Serialize)]
-struct ParticipantEntitiesInfo {
-    gid: [u8; 16],
-    node_entities_info_seq: Vec<NodeEntitiesInfo>,
+impl Drop for Process {
+    /// Closes the pipe, which asks the process to leave, and waits for it a little.
+    fn drop(&mut self) {
+        let (closed, _) = sync_channel(0);
+        self.orders = closed;
+        let end = Instant::now() + LEAVE_TIME;
+        while matches!(self.child.try_wait(), Ok(None)) && Instant::now() < end {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        // It may have ended.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
 }
 
-/// `rmw_dds_common/msg/NodeEntitiesInfo`.
-#[derive(Serialize)]
-struct NodeEntitiesInfo {
-    node_namespace: String,
-    node_name: String,
-    reader_gid_seq: Vec<[u8; 16]>,
-    writer_gid_seq: Vec<[u8; 16]>,
-}
-
-/// Returns the terms of a topic: every message arrives, or the writer says that there was no room.
-fn terms(durability: Durability, depth: i32, most_waiting: i32) -> QosPolicies {
-    QosPolicyBuilder::new()
-        .reliable(Duration::ZERO)
-        .durability(durability)
-        .history(History::KeepLast { depth })
-        .resource_limits(ResourceLimits {
-            max_samples: most_waiting,
-            max_instances: 1,
-            max_samples_per_instance: most_waiting,
-        })
-        .build()
+/// Writes orders to the process, until it or the node is gone.
+fn hand_over(stdin: ChildStdin, waiting: &Orders<Order>) {
+    let mut pipe = BufWriter::new(stdin);
+    while let Ok(order) = waiting.recv() {
+        let written = pipe::write(&mut pipe, &order);
+        // Orders that wait go with it.
+        let rest = written.and_then(|()| waiting.try_iter().try_for_each(|order| pipe::write(&mut pipe, &order)));
+        if rest.and_then(|()| pipe.flush()).is_err() {
+            return;
+        }
+    }
 }
 
 impl Node {
-    /// Joins a domain on one address of this machine.
-    pub(crate) fn join(domain: u16, address: Ipv4Addr) -> Result<Self, StartError> {
-        let failed = |error: &dyn std::fmt::Display| StartError::Join(error.to_string());
-        let participant = DomainParticipantBuilder::new(domain).with_only_networks([address]).build();
-        let participant = participant.map_err(|error| failed(&error))?;
-        let none = QosPolicies::qos_none();
-        let publisher = participant.create_publisher(&none).map_err(|error| failed(&error))?;
-        let subscriber = participant.create_subscriber(&none).map_err(|error| failed(&error))?;
-        let graph = {
-            let terms = terms(Durability::TransientLocal, 1, MOST_WAITING);
-            let [name, kind] = GRAPH.map(str::to_owned);
-            let topic = participant.create_topic(name, kind, &terms, TopicKind::NoKey);
-            let topic = topic.map_err(|error| failed(&error))?;
-            publisher.create_datawriter_no_key(&topic, Some(terms)).map_err(|error| failed(&error))?
-        };
+    /// Starts the process, a program with its arguments, and joins a domain on one address of this machine.
+    pub(crate) fn join(program: Vec<OsString>, domain: u16, address: Ipv4Addr) -> Result<Self, StartError> {
+        let process = Some(Process::start(&program, domain, address)?);
         Ok(Self {
-            participant,
-            publisher,
-            subscriber,
-            graph,
-            writers: BTreeMap::new(),
-            readers: Vec::new(),
-            repliers: Vec::new(),
-            has_changed: true,
+            program,
+            domain,
+            address,
+            process,
+            started: Instant::now(),
+            topics: BTreeMap::new(),
+            readers: BTreeMap::new(),
+            next: 0,
             owner: None,
-            refused: 0,
+            refused: [0; 2],
+            has_complained: false,
         })
     }
 
@@ -199,102 +200,142 @@ impl Node {
     }
 
     /// True if a topic has subscribers.
-    pub(crate) fn has_subscribers(&mut self, topic: &str) -> bool {
-        self.writers.get_mut(topic).is_some_and(Outgoing::has_subscribers)
+    pub(crate) fn has_subscribers(&self, topic: &str) -> bool {
+        self.topics.get(topic).is_some_and(|outgoing| outgoing.subscribers > 0)
     }
 
     /// Opens a topic without a message, so that others can subscribe to it.
     pub(crate) fn open<T: Message>(&mut self, topic: &str) {
-        if !self.writers.contains_key(topic) {
-            let terms = match T::NAME {
-                "sensor_msgs/CompressedImage" | "sensor_msgs/Image" | "sensor_msgs/PointCloud2" => {
-                    terms(Durability::Volatile, DEPTH, MOST_PICTURES_WAITING)
-                }
-                _ if is_latched(topic) => terms(Durability::TransientLocal, 1, MOST_WAITING),
-                _ => terms(Durability::Volatile, DEPTH, MOST_WAITING),
-            };
-            let opened = self.writer(&format!("rt{topic}"), T::dds_name(), terms);
-            let Some(writer) = opened else { return };
-            self.writers.insert(topic.to_owned(), Outgoing { writer, owner: self.owner, matched: 0 });
-            self.has_changed = true;
+        if self.topics.contains_key(topic) {
+            return;
         }
-    }
-
-    fn writer(&self, name: &str, kind: String, terms: QosPolicies) -> Option<DataWriter<Raw, Plain>> {
-        let topic = self.participant.create_topic(name.to_owned(), kind, &terms, TopicKind::NoKey);
-        let writer = topic.and_then(|topic| self.publisher.create_datawriter_no_key(&topic, Some(terms)));
-        writer.inspect_err(|error| debug!("no topic {name}: {error}")).ok()
-    }
-
-    fn reader(&self, name: &str, kind: String) -> Option<(GUID, Incoming)> {
-        let terms = terms(Durability::Volatile, DEPTH, MOST_WAITING);
-        let topic = self.participant.create_topic(name.to_owned(), kind, &terms, TopicKind::NoKey);
-        let reader =
-            topic.and_then(|topic| self.subscriber.create_datareader_no_key::<Raw, Plain>(&topic, Some(terms)));
-        let reader = reader.inspect_err(|error| debug!("nothing is heard on {name}: {error}")).ok()?;
-        Some((reader.guid(), reader.async_sample_stream()))
+        let terms = match T::NAME {
+            "sensor_msgs/CompressedImage" | "sensor_msgs/Image" | "sensor_msgs/PointCloud2" => Terms::Large,
+            _ if is_latched(topic) => Terms::Latched,
+            _ => Terms::Usual,
+        };
+        let (number, owner) = (self.number(), self.owner);
+        let outgoing = Outgoing { number, kind: T::dds_name(), terms, owner, subscribers: 0, last: None };
+        self.order(outgoing.order(topic));
+        self.topics.insert(topic.to_owned(), outgoing);
     }
 
     /// Subscribes to a topic.
-    pub(crate) fn listen<T: Message>(&mut self, topic: &str) -> Option<Incoming> {
-        let (guid, incoming) = self.reader(&format!("rt{topic}"), T::dds_name())?;
-        self.readers.push((self.owner, guid));
-        self.has_changed = true;
-        Some(incoming)
+    pub(crate) fn listen<T: Message>(&mut self, topic: &str) -> Incoming {
+        let number = self.number();
+        self.hear(number, Order::Listen { number, topic: topic.to_owned(), kind: T::dds_name() })
     }
 
-    /// Offers a service by its name and type, as in `std_srvs/Trigger`. Returns its requests and the way of its replies.
-    pub(crate) fn offer(&mut self, name: &str, kind: &str) -> Option<(Incoming, Replier)> {
-        let (package, kind) = kind.split_once('/')?;
-        let of = |part: &str| format!("{package}::srv::dds_::{kind}_{part}_");
-        let (guid, requests) = self.reader(&format!("rq{name}Request"), of("Request"))?;
-        let terms = terms(Durability::Volatile, DEPTH, MOST_WAITING);
-        let replies = self.writer(&format!("rr{name}Reply"), of("Response"), terms)?;
-        self.readers.push((self.owner, guid));
-        self.repliers.push(replies.guid());
-        self.has_changed = true;
-        Some((requests, Replier(replies)))
+    /// Offers a service by its name and type, as in `std_srvs/Trigger`. Returns its requests and its number, for replies.
+    pub(crate) fn offer(&mut self, name: &str, kind: &str) -> (Incoming, u32) {
+        let number = self.number();
+        let order = Order::Offer { number, service: name.to_owned(), kind: kind.to_owned() };
+        (self.hear(number, order), number)
+    }
+
+    fn hear(&mut self, number: u32, order: Order) -> Incoming {
+        let (heard, incoming) = channel(MOST_HEARD);
+        self.order(order.clone());
+        self.readers.insert(number, Reader { owner: self.owner, order, heard });
+        incoming
     }
 
     /// Closes everything of an owner.
     pub(crate) fn close(&mut self, owner: Owner) {
-        self.writers.retain(|_, outgoing| outgoing.owner != owner);
-        self.readers.retain(|(of, _)| *of != owner);
-        self.has_changed = true;
-    }
-
-    /// Leaves the domain: its readers and writers first, so that others hear of it.
-    pub(crate) async fn leave(self, farewell: std::time::Duration) {
-        let Self { participant, publisher, subscriber, graph, writers, .. } = self;
-        drop((writers, graph));
-        drop((publisher, subscriber));
-        tokio::time::sleep(farewell).await;
-        drop(participant);
+        let topics = self.topics.extract_if(.., |_, outgoing| outgoing.owner == owner);
+        let topics = topics.map(|(_, outgoing)| outgoing.number);
+        let readers = self.readers.extract_if(.., |_, reader| reader.owner == owner).map(|(number, _)| number);
+        let numbers: Vec<u32> = topics.chain(readers).collect();
+        numbers.into_iter().for_each(|number| self.order(Order::Close { number }));
     }
 
     /// Returns the number of messages that found no room, because a subscriber did not take earlier ones.
     pub(crate) fn refused(&self) -> u64 {
-        self.refused
+        self.refused.iter().sum()
     }
 
-    /// Tells others of the node and its topics, if they have changed.
-    pub(crate) fn publish_graph(&mut self) {
-        if !std::mem::take(&mut self.has_changed) {
-            return;
+    /// Waits for something that the process says. It says nothing more when it has ended.
+    pub(crate) async fn heard(&mut self) -> Event {
+        match &mut self.process {
+            Some(process) if !process.has_ended => match process.events.recv().await {
+                Some(event) => event,
+                None => {
+                    process.has_ended = true;
+                    std::future::pending().await
+                }
+            },
+            _ => std::future::pending().await,
         }
-        let writers = self.writers.values().map(|outgoing| outgoing.writer.guid());
-        let node = NodeEntitiesInfo {
-            node_namespace: "/".to_owned(),
-            node_name: "usarsim".to_owned(),
-            reader_gid_seq: self.readers.iter().map(|(_, guid)| guid.to_bytes()).collect(),
-            writer_gid_seq: writers.chain(self.repliers.iter().copied()).map(|guid| guid.to_bytes()).collect(),
-        };
-        let gid = self.participant.guid().to_bytes();
-        let info = ParticipantEntitiesInfo { gid, node_entities_info_seq: vec![node] };
-        match cdr_encoding::to_vec::<_, byteorder::LittleEndian>(&info) {
-            Ok(bytes) => _ = self.graph.write(Raw(bytes.into()), None),
-            Err(error) => debug!("no graph: {error}"),
+    }
+
+    /// Starts the process again if it has ended or stands still. To be called now and then.
+    pub(crate) fn watch(&mut self) {
+        if self.process.as_mut().is_some_and(Process::is_gone) {
+            if !std::mem::replace(&mut self.has_complained, true) {
+                warn!("ROS 2: the process of DDS ended or stood still, as after forged packets: it is started again");
+            }
+            // It does not leave by itself.
+            self.process.iter_mut().for_each(|process| _ = process.child.kill());
+            self.process = None;
         }
+        if self.process.is_none() && self.started.elapsed() > REST {
+            self.start_again();
+        }
+    }
+
+    /// Hands on what the process has said.
+    pub(crate) fn take(&mut self, event: Event) {
+        match event {
+            Event::Joined(_) => {}
+            Event::Subscribers { number, count } => {
+                let outgoing = self.topics.values_mut().find(|outgoing| outgoing.number == number);
+                outgoing.into_iter().for_each(|outgoing| outgoing.subscribers = count);
+            }
+            Event::Heard { number, message } => self.hand_on(number, SampleIdentity::default(), message),
+            Event::Asked { number, from, message } => self.hand_on(number, from, message),
+            Event::Refused(count) => self.refused[1] = count,
+        }
+    }
+
+    fn hand_on(&self, number: u32, from: SampleIdentity, message: Vec<u8>) {
+        // Whoever is flooded misses some.
+        self.readers.get(&number).into_iter().for_each(|reader| _ = reader.heard.try_send((from, message.clone())));
+    }
+
+    fn start_again(&mut self) {
+        self.started = Instant::now();
+        self.refused = [self.refused(), 0];
+        match Process::start(&self.program, self.domain, self.address) {
+            Ok(process) => self.process = Some(process),
+            Err(error) => return debug!("{error}"),
+        }
+        let Self { topics, readers, process, .. } = self;
+        let Some(process) = process else { return };
+        for (topic, outgoing) in topics {
+            outgoing.subscribers = 0;
+            process.order(outgoing.order(topic));
+            let last = outgoing.last.clone().map(|message| Order::Publish { number: outgoing.number, message });
+            last.into_iter().for_each(|order| _ = process.order(order));
+        }
+        readers.values().for_each(|reader| _ = process.order(reader.order.clone()));
+    }
+
+    fn number(&mut self) -> u32 {
+        self.next += 1;
+        self.next
+    }
+
+    /// Gives the process an order, if it has room.
+    pub(crate) fn order(&mut self, order: Order) {
+        let is_taken = self.process.as_mut().is_some_and(|process| process.order(order));
+        self.refused[0] += u64::from(!is_taken);
+    }
+}
+
+impl Outgoing {
+    fn order(&self, topic: &str) -> Order {
+        let Self { number, kind, terms, .. } = self;
+        Order::Open { number: *number, topic: topic.to_owned(), kind: kind.clone(), terms: *terms }
     }
 }
 
@@ -304,30 +345,20 @@ impl Sink for Node {
     /// Publishes a message, if somebody subscribes to it or it is for late subscribers.
     fn publish<T: Message>(&mut self, _: f64, topic: &str, message: &T) -> Result<(), Self::Error> {
         self.open::<T>(topic);
-        let Some(outgoing) = self.writers.get_mut(topic) else { return Ok(()) };
-        if !outgoing.has_subscribers() && !is_latched(topic) {
+        let Some(outgoing) = self.topics.get_mut(topic) else { return Ok(()) };
+        if outgoing.subscribers <= 0 && outgoing.terms != Terms::Latched {
             return Ok(());
         }
         match message.to_cdr() {
-            Ok(bytes) => {
-                let is_written = outgoing.writer.write(Raw(bytes.into()), None).is_ok();
-                self.refused += u64::from(!is_written);
+            Ok(message) => {
+                if outgoing.terms == Terms::Latched {
+                    outgoing.last = Some(message.clone());
+                }
+                let number = outgoing.number;
+                self.order(Order::Publish { number, message });
             }
             Err(error) => debug!("no message on {topic}: {error}"),
         }
         Ok(())
-    }
-}
-
-/// The way of a service's replies.
-pub(crate) struct Replier(DataWriter<Raw, Plain>);
-
-impl Replier {
-    /// Replies to a request. Its client may have gone.
-    pub(crate) fn reply<T: Serialize>(&self, request: SampleIdentity, response: &T) {
-        let to = WriteOptionsBuilder::new().related_sample_identity(request).build();
-        if let Ok(bytes) = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(response) {
-            let _ = self.0.write_with_options(Raw(bytes.into()), to);
-        }
     }
 }

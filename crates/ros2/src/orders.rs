@@ -6,7 +6,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use base_motion::{Base, Drive as Motion, Model};
-use futures_util::StreamExt;
 use gamebots_proto::Command;
 use gamebots_proto::command::{Drive, MultiDrive, Set};
 use kinematics::Twist;
@@ -243,7 +242,7 @@ pub(crate) fn listen(
         let (send, wanted) = watch::channel(Velocity::default());
         let plain = node.listen::<ros::Twist>(&topic);
         let stamped = node.listen::<ros::TwistStamped>(&topic);
-        for incoming in plain.into_iter().chain(stamped) {
+        for incoming in [plain, stamped] {
             tasks.push(tokio::spawn(hear_velocities(incoming, send.clone(), topic.clone())));
         }
         tasks.push(tokio::spawn(drive(session, pawn, driver, wanted, present.clone())));
@@ -256,17 +255,17 @@ pub(crate) fn listen(
             move |incoming| tokio::spawn(hear_joints(incoming, topic, joints, read, send))
         };
         let trajectories = node.listen::<ros::JointTrajectory>(&space.topic("joint_trajectory"));
-        tasks.extend(trajectories.map(hear("joint_trajectory", of_trajectory)));
+        tasks.push(hear("joint_trajectory", of_trajectory)(trajectories));
         let states = node.listen::<ros::JointState>(&space.topic("joint_commands"));
-        tasks.extend(states.map(hear("joint_commands", of_states)));
+        tasks.push(hear("joint_commands", of_states)(states));
         let arrays = node.listen::<ros::Float64MultiArray>(&space.topic("commands"));
-        tasks.extend(arrays.map(hear("commands", of_array)));
+        tasks.push(hear("commands", of_array)(arrays));
         tasks.push(tokio::spawn(follow(session, pawn, joints.clone(), wanted, present.clone())));
     }
     if !def.grippers.is_empty()
         && let Some(session) = session()
-        && let Some(incoming) = node.listen::<ros::Bool>(&space.topic("gripper"))
     {
+        let incoming = node.listen::<ros::Bool>(&space.topic("gripper"));
         tasks.push(tokio::spawn(grip(session, pawn, incoming)));
     }
     Listening(tasks)
@@ -286,11 +285,9 @@ impl Complaints {
 /// Hands on the newest velocity of a topic. Readers of both types may see a message: its length tells its type.
 async fn hear_velocities(mut incoming: Incoming, wanted: watch::Sender<Velocity>, topic: String) {
     let mut complaints = Complaints(topic, false);
-    while let Some(sample) = incoming.next().await {
-        let Ok(sample) = sample else { continue };
-        let bytes = &sample.value().0;
-        let plain = ros::Twist::from_cdr(bytes).ok().filter(|_| bytes.len() <= TWIST_BYTES);
-        let twist = plain.or_else(|| ros::TwistStamped::from_cdr(bytes).ok().map(|stamped| stamped.twist));
+    while let Some((_, bytes)) = incoming.recv().await {
+        let plain = ros::Twist::from_cdr(&bytes).ok().filter(|_| bytes.len() <= TWIST_BYTES);
+        let twist = plain.or_else(|| ros::TwistStamped::from_cdr(&bytes).ok().map(|stamped| stamped.twist));
         match twist.as_ref().and_then(Velocity::of) {
             Some(velocity) => _ = wanted.send(velocity),
             None => complaints.add(&format!("a velocity that is none, or beyond {FASTEST}")),
@@ -369,9 +366,8 @@ async fn hear_joints(
     wanted: watch::Sender<Option<Trajectory>>,
 ) {
     let mut complaints = Complaints(topic, false);
-    while let Some(sample) = incoming.next().await {
-        let Ok(sample) = sample else { continue };
-        match read(&sample.value().0, &joints) {
+    while let Some((_, bytes)) = incoming.recv().await {
+        match read(&bytes, &joints) {
             Ok(trajectory) => _ = wanted.send(Some(trajectory)),
             Err(why) => complaints.add(&why),
         }
@@ -416,8 +412,8 @@ async fn follow(
 
 /// Closes and opens the robot's grippers.
 async fn grip(session: Session, pawn: PawnId, mut incoming: Incoming) {
-    while let Some(sample) = incoming.next().await {
-        let Some(closes) = sample.ok().and_then(|sample| ros::Bool::from_cdr(&sample.value().0).ok()) else { continue };
+    while let Some((_, bytes)) = incoming.recv().await {
+        let Ok(closes) = ros::Bool::from_cdr(&bytes) else { continue };
         let opcode = if closes.data { "Close" } else { "Open" }.to_owned();
         let set = Set { type_name: "Gripper".to_owned(), opcode, ..Set::default() };
         if session.order_to(pawn, Command::Set(set)).await.is_err() {

@@ -3,19 +3,20 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use futures_util::StreamExt;
 use gamebots_proto::Command;
-use gamebots_proto::command::{Control as Order, Init, Move};
+use gamebots_proto::command::{self, Init, Move};
 use page_protocol::{Actor, Control};
 use ros2_topics::{from_pose, header, interfaces as ros, name, pose};
 use scene::{PawnId, Snapshot};
 use serde::Serialize;
 use served_world::{Entrance, Health, Inquiry, Kind, Question, Session};
 use sim_core::CompiledScene;
+use tokio::sync::mpsc::UnboundedSender;
 use tokio::time::{Instant, sleep};
 
 use crate::interfaces::{self as srv, Request, category, code, scope, state};
 use crate::node::Node;
+use crate::pipe::Order;
 
 /// Longest wait for a reset, and for each step, real time.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -27,6 +28,9 @@ const MOST_STEPS: u64 = 100_000;
 const MOST_SPAWNED: usize = 256;
 /// Largest compiled regular expression of a filter, bytes.
 const FILTER_BYTES: usize = 1 << 16;
+
+/// The way of replies to the node.
+pub(crate) type Replies = UnboundedSender<Order>;
 
 /// The newest scene and snapshot.
 pub(crate) type Latest = Arc<Mutex<Option<(CompiledScene, Arc<Snapshot>)>>>;
@@ -68,9 +72,9 @@ impl Desk {
         }
     }
 
-    /// Offers all services. Each call is answered before the next of that service.
-    pub(crate) fn open(&self, node: &mut Node) -> Vec<tokio::task::JoinHandle<()>> {
-        let mut offer = Offer { node, desk: self, tasks: Vec::new() };
+    /// Offers all services. Each call is answered before the next of that service. Their replies go to `replies`.
+    pub(crate) fn open(&self, node: &mut Node, replies: &Replies) -> Vec<tokio::task::JoinHandle<()>> {
+        let mut offer = Offer { node, desk: self, replies, tasks: Vec::new() };
         offer.add("pause", "std_srvs/Trigger", async |desk: &Desk, _: srv::Empty| {
             desk.trigger(Control::Pause(true)).await
         });
@@ -344,7 +348,7 @@ impl Desk {
             return done(srv::Result::failed(code::OPERATION_FAILED, "the server stops"));
         };
         let order = Move { name: entity, is_relative: false, location, rotation };
-        done(match session.order(Command::Control(Order::Move(order))).await {
+        done(match session.order(Command::Control(command::Control::Move(order))).await {
             Ok(answer) => match answer.problems.first() {
                 Some(problem) => srv::Result::failed(code::OPERATION_FAILED, problem.to_string()),
                 None => srv::Result::ok(),
@@ -531,6 +535,7 @@ fn outcome(outcome: Result<(), String>) -> srv::Result {
 struct Offer<'a> {
     node: &'a mut Node,
     desk: &'a Desk,
+    replies: &'a Replies,
     tasks: Vec<tokio::task::JoinHandle<()>>,
 }
 
@@ -566,17 +571,17 @@ impl Offer<'_> {
         read: fn(&[u8]) -> Option<Q>,
         answer: impl AsyncFn(&Desk, Q) -> R + 'static,
     ) {
-        let Some((mut requests, replier)) = self.node.offer(&format!("/usarsim/{called}"), kind) else { return };
-        let desk = self.desk.clone();
+        let (mut requests, number) = self.node.offer(&format!("/usarsim/{called}"), kind);
+        let (desk, replies) = (self.desk.clone(), self.replies.clone());
         self.tasks.push(tokio::task::spawn_local(async move {
-            while let Some(sample) = requests.next().await {
-                let Ok(sample) = sample else { continue };
+            while let Some((from, bytes)) = requests.recv().await {
                 // A request that cannot be read has no answer: its client waits as for a service that is not there.
-                if let Some(request) = read(&sample.value().0) {
-                    let response = answer(&desk, request).await;
-                    replier.reply(sample.sample_info().sample_identity(), &response);
+                let Some(request) = read(&bytes) else { continue };
+                let response = answer(&desk, request).await;
+                let Ok(message) = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(&response) else { continue };
+                if replies.send(Order::Reply { number, to: from, message }).is_err() {
+                    return;
                 }
-                tokio::task::yield_now().await;
             }
         }));
     }

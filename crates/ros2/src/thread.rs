@@ -17,12 +17,10 @@ use crate::cameras::{Cameras, Drawn, SIZE, View};
 use crate::feed::{Item, Status, Wanted};
 use crate::node::Node;
 use crate::orders::{self, Driver, Listening, Present};
-use crate::services::{Desk, Latest};
+use crate::services::{Desk, Latest, Replies};
 
 /// Real time between two looks at which cameras somebody wants.
 const LOOK_INTERVAL: Duration = Duration::from_millis(200);
-/// Real time for others to hear that readers and writers are gone, before the participant is.
-const FAREWELL: Duration = Duration::from_millis(300);
 /// Levels of diagnostics (diagnostic_msgs/msg/DiagnosticStatus).
 const OK: u8 = 0;
 const WARN: u8 = 1;
@@ -47,9 +45,10 @@ pub(crate) fn run(node: Node, items: Receiver<Item>, shared: Shared) {
 
 async fn serve(node: Node, mut items: Receiver<Item>, shared: Shared) {
     let (drawn, mut pictures) = unbounded_channel();
+    let (replies, mut replied) = unbounded_channel();
     let mut look = tokio::time::interval(LOOK_INTERVAL);
     look.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
-    let mut bridge = Bridge::new(node, Cameras::new(drawn), shared);
+    let mut bridge = Bridge::new(node, Cameras::new(drawn), shared, &replies);
     loop {
         tokio::select! {
             // Orders have their turn between two items, as their tasks are woken meanwhile.
@@ -57,13 +56,21 @@ async fn serve(node: Node, mut items: Receiver<Item>, shared: Shared) {
                 Some(item) => bridge.take(item),
                 None => break,
             },
+            event = bridge.node.heard() => bridge.node.take(event),
+            Some(reply) = replied.recv() => bridge.node.order(reply),
             Some(picture) = pictures.recv() => bridge.show(picture),
-            _ = look.tick() => bridge.look(),
+            _ = look.tick() => {
+                bridge.look();
+                bridge.node.watch();
+            }
         }
-        bridge.node.publish_graph();
         tokio::task::yield_now().await;
     }
-    bridge.close().await;
+    // Tasks end first, then the process leaves its domain.
+    let Bridge { node, robots, services, .. } = bridge;
+    drop(robots);
+    services.iter().for_each(tokio::task::JoinHandle::abort);
+    drop(node);
 }
 
 /// The world in ROS.
@@ -95,7 +102,7 @@ struct Robot {
 }
 
 impl Bridge {
-    fn new(mut node: Node, cameras: Cameras, shared: Shared) -> Self {
+    fn new(mut node: Node, cameras: Cameras, shared: Shared, replies: &Replies) -> Self {
         node.open::<ros::Clock>("/clock");
         node.open::<ros::TFMessage>("/tf");
         node.open::<ros::TFMessage>("/tf_static");
@@ -104,7 +111,7 @@ impl Bridge {
         let (floor, robots, objects) = (Material::default(), BTreeMap::new(), BTreeMap::new());
         let (scene, latest, last) = (None, Latest::default(), None);
         let services = if shared.options.may_control {
-            Desk::new(&shared.entrance, latest.clone(), shared.options.maps.clone().into()).open(&mut node)
+            Desk::new(&shared.entrance, latest.clone(), shared.options.maps.clone().into()).open(&mut node, replies)
         } else {
             Vec::new()
         };
@@ -240,14 +247,6 @@ impl Bridge {
             }
         }
         *self.shared.wanted.lock().unwrap_or_else(PoisonError::into_inner) = wanted;
-    }
-
-    /// Leaves: first the readers and writers, then the participant.
-    async fn close(self) {
-        let Self { node, robots, services, .. } = self;
-        drop(robots);
-        services.iter().for_each(tokio::task::JoinHandle::abort);
-        node.leave(FAREWELL).await;
     }
 }
 

@@ -108,6 +108,10 @@ enum Command {
     /// Write the man pages into a folder.
     #[command(hide = true)]
     Man(completions::ManArguments),
+    /// Be the process of a server's node of ROS 2, by pipes.
+    #[cfg(feature = "ros2")]
+    #[command(hide = true)]
+    Ros2Node,
 }
 
 /// Runs the program and returns its exit code. The first argument is the program's name. Help and wrong arguments end the process.
@@ -149,6 +153,8 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Command::Log(command) => log::run(command),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => completions::man(&arguments),
+        #[cfg(feature = "ros2")]
+        Command::Ros2Node => ros2::run_node().map_err(|error| Failure::new(exit::FAILURE, error)),
     }
 }
 

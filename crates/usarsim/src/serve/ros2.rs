@@ -1,5 +1,6 @@
 //! Options of `serve` for its node of ROS 2.
 
+use std::ffi::OsString;
 use std::net::Ipv4Addr;
 
 use clap::ValueEnum;
@@ -78,6 +79,17 @@ impl Ros2Choice {
             Namespace::None => Namespaces::NoneForTheFirst,
         };
         let is_localised = self.ros2_localised;
-        Ok(Some(Options { domain: self.ros2_domain, address, namespaces, is_localised, ..Options::default() }))
+        let program =
+            program().map_err(|error| Failure::new(exit::FAILURE, format!("ROS 2: this program: {error}")))?;
+        Ok(Some(Options { program, domain: self.ros2_domain, address, namespaces, is_localised, ..Options::default() }))
     }
+}
+
+/// Returns this program as the process of a node. In Python it is a module.
+fn program() -> std::io::Result<Vec<OsString>> {
+    let own = std::env::current_exe()?;
+    let is_python = own.file_name().is_some_and(|name| name.to_string_lossy().starts_with("python"));
+    let module: &[&str] = if is_python { &["-m", "usarsim"] } else { &[] };
+    let arguments = module.iter().chain(&["ros2-node"]).map(OsString::from);
+    Ok(std::iter::once(own.into_os_string()).chain(arguments).collect())
 }
