@@ -73,7 +73,7 @@ wheel: view
 
 # The libraries as a registry takes them, each built from its package: docs/libraries.md. `make package VERIFY=--no-verify` builds none.
 VERIFY =
-LIBRARIES = articulated friction gamebots-client gamebots-proto kinematics scene sim-core usarsim-names
+LIBRARIES = articulated base-motion friction gamebots-client gamebots-proto kinematics scene sim-core usarsim-names
 package:
 	cargo package --locked $(VERIFY) $(LIBRARIES:%=--package %)
 
