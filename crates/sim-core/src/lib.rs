@@ -17,7 +17,6 @@
 //! | [`Threads`], [`OneThread`] | the threads that steps run on, given by the caller |
 //! | [`FreePlace`], [`LostRobot`], [`Fault`] | a free place for a robot; a robot whose state became invalid, and why |
 //! | [`Actor`], [`Tiles`] | what referees and the image server ask for |
-//! | [`mecanum`] | kinematics of robots with Mecanum wheels |
 //!
 //! # Example
 //! The function `cart_on_a_plane` in `examples/cart/mod.rs` builds the scene, as the docs of the crate `scene` do. The example `lookahead`
