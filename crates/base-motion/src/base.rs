@@ -42,6 +42,17 @@ pub enum Base {
     FiniteMecanum(FiniteRollers),
     /// Steered wheels.
     Car(Car),
+    /// Two sides by the numbers of a driver, and the side of each driven wheel.
+    Driver(DiffDrive, Vec<Side>),
+}
+
+/// Two sides as the driver of a real robot counts them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DiffDrive {
+    /// Distance of the sides, m, with the multiplier that its maker found.
+    pub track: f64,
+    /// Radii of the left and right wheels, m, with their multipliers.
+    pub radii: [f64; 2],
 }
 
 /// Two sides of wheels that slide.
@@ -72,8 +83,8 @@ pub struct Car {
 pub enum Drive {
     /// Speeds of the wheels of left and right, rad/s.
     Sides([f64; 2]),
-    /// A twist at which Mecanum wheels with infinitely many rollers would turn as these have to.
-    Mecanum(Twist),
+    /// Speeds of four Mecanum wheels, rad/s: front left, front right, back left, back right.
+    Wheels([f64; 4]),
     /// Speed of every driven wheel, rad/s, and the angles of front and rear axle, rad, positive to the right.
     Car {
         /// rad/s.
@@ -100,6 +111,19 @@ impl Base {
             (Drivetrain::Steered, _) => Some(Self::Car(Car::of(robot))),
             (Drivetrain::None, _) => None,
         }
+    }
+
+    /// Returns the kinematics of a class of robots by the numbers of its driver.
+    pub fn of_driver(robot: &RobotDef, numbers: DiffDrive) -> Self {
+        Self::Driver(numbers, robot.driven().map(|wheel| wheel.side).collect())
+    }
+
+    /// Returns the kinematics of a car by the numbers of its driver: the distance of its axles and the radius of its wheels, m.
+    pub fn of_car_driver(robot: &RobotDef, wheel_base: f64, radius: f64) -> Self {
+        let mut car = Car::of(robot);
+        car.wheel_base = wheel_base;
+        car.driven.iter_mut().for_each(|[.., own]| *own = radius);
+        Self::Car(car)
     }
 
     /// Returns the kinematics on a floor of a material, whose rolling resistance wheels that slide feel.
@@ -129,6 +153,15 @@ impl Base {
                 kinematics.forward(std::array::from_fn(|wheel| of(turned, wheel)), std::array::from_fn(phase))
             }
             Self::Car(car) => car.displacement(turned, steer),
+            Self::Driver(DiffDrive { track, radii }, sides) => {
+                let mean = |side: Side| {
+                    let on_side = sides.iter().zip(turned).filter(|(of, _)| **of == side).map(|(_, turned)| *turned);
+                    let count = sides.iter().filter(|of| **of == side).count();
+                    on_side.sum::<f64>() / count.max(1) as f64
+                };
+                let [left, right] = [mean(Side::Left) * radii[0], mean(Side::Right) * radii[1]];
+                Twist { forward: (left + right) / 2.0, right: 0.0, clockwise: (left - right) / track }
+            }
         }
     }
 
@@ -137,13 +170,17 @@ impl Base {
         match self {
             Self::Skid { kinematics, .. } => Drive::Sides(kinematics.inverse(twist)),
             Self::Sliding(sliding) => Drive::Sides(sliding.inverse(twist)),
-            Self::Mecanum(_) => Drive::Mecanum(twist),
-            Self::FiniteMecanum(rollers) => Drive::Mecanum(Twist {
+            Self::Mecanum(kinematics) => Drive::Wheels(kinematics.inverse(twist)),
+            Self::FiniteMecanum(rollers) => Drive::Wheels(rollers.base.inverse(Twist {
                 forward: twist.forward,
                 right: twist.right / rollers.mean_lateral_ratio(),
                 clockwise: twist.clockwise / rollers.mean_rotation_ratio(),
-            }),
+            })),
             Self::Car(car) => car.drive(twist),
+            Self::Driver(DiffDrive { track, radii: [left, right] }, _) => {
+                let turn = twist.clockwise * track / 2.0;
+                Drive::Sides([(twist.forward + turn) / left, (twist.forward - turn) / right])
+            }
         }
     }
 }
@@ -259,7 +296,7 @@ mod tests {
             Drive::Sides([left, right]) => {
                 (robot.driven().map(|it| if it.side == Side::Left { left } else { right }).collect(), [0.0; 2])
             }
-            Drive::Mecanum(twist) => (mecanum::textbook(robot).expect("rollers").inverse(twist).to_vec(), [0.0; 2]),
+            Drive::Wheels(speeds) => (speeds.to_vec(), [0.0; 2]),
             Drive::Car { speed, steer } => (robot.driven().map(|_| speed).collect(), steer),
         };
         // A whole turn of the wheels, as the displacement of rollers depends on their phases.

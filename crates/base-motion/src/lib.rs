@@ -7,7 +7,7 @@ mod base;
 pub mod mecanum;
 mod sliding;
 
-pub use base::{Base, Car, Drive, Model, Sliding};
+pub use base::{Base, Car, DiffDrive, Drive, Model, Sliding};
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

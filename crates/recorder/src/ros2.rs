@@ -57,7 +57,7 @@ impl Ros2 {
         // Without the class, as in a damaged log, there are no frames.
         let Some(def) = self.world.robots.get(&state.class) else { return Ok(()) };
         if !self.topics.has(state.robot) {
-            self.topics.come(time, state.robot, &state.name, def, file)?;
+            self.topics.come(time, state.robot, &state.name, def, None, file)?;
         }
         let (linear, angular) = state.velocity();
         let now = State { pose: state.pose(), linear, angular, joints: &state.joints() };

@@ -7,14 +7,15 @@ use nalgebra::Vector3;
 use scene::{JointKind, Link, Part, Pose, RobotDef, Shape, Wheel};
 
 use crate::convert;
+use crate::names::Space;
 
 /// Speed and effort of a joint's limits, which the format wants and the definition does not have, rad/s or m/s, N m or N.
 const NO_LIMIT: f64 = 1000.0;
 
-/// Returns the URDF. Links are named as their frames are, with this prefix.
-pub(crate) fn urdf(def: &RobotDef, prefix: &str) -> String {
+/// Returns the URDF. Links are named as their frames are.
+pub(crate) fn urdf(def: &RobotDef, space: &Space) -> String {
     let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", convert::name(&def.class));
-    let frames: Vec<String> = (0..def.links.len()).map(|number| frame(def, number, prefix)).collect();
+    let frames: Vec<String> = (0..def.links.len()).map(|number| frame(def, number, space)).collect();
     for (link, frame) in def.links.iter().zip(&frames) {
         // Writing to a text does not fail.
         let _ = write_link(&mut text, link, frame);
@@ -29,10 +30,10 @@ pub(crate) fn urdf(def: &RobotDef, prefix: &str) -> String {
 }
 
 /// Returns the frame of a link.
-pub(crate) fn frame(def: &RobotDef, number: usize, prefix: &str) -> String {
+pub(crate) fn frame(def: &RobotDef, number: usize, space: &Space) -> String {
     match def.links.get(number) {
-        Some(link) if number > 0 => format!("{prefix}{}", convert::name(&link.name)),
-        _ => format!("{prefix}base_link"),
+        Some(link) if number > 0 => format!("{}{}", space.prefix, convert::name(&link.name)),
+        _ => space.base.clone(),
     }
 }
 

@@ -3,6 +3,7 @@
 //! Frames are those of REP 103 and 105: x forward, y left, z up; `odom` is where a robot came into the world, and `base_link` is the robot
 //! frame. A robot's topics and frames are in its namespace. This crate has no sockets and no clock.
 
+mod controller;
 mod convert;
 mod description;
 pub mod interfaces;
@@ -15,6 +16,7 @@ use nalgebra::Vector3;
 use scene::sensor::{Config, kinect_depth};
 use scene::{JointKind, JointState, MapDef, Material, Pose, Reading, RobotDef, Sensed, Shape};
 
+pub use controller::{Controller, Limit, Wheels};
 pub use convert::{camera_info, from_pose, header, name, pose, stamp};
 use interfaces as ros;
 pub use interfaces::Message;
@@ -26,7 +28,7 @@ use odometer::{Moved, Odometer};
 pub const MAP: &str = "map";
 /// Variances of odometry (nav_msgs/msg/Odometry): those along x and y and about z as small as wheels give them, m² and rad²; the others so
 /// large that filters leave them out, as drivers of real robots set them.
-const VARIANCES: [f64; 6] = [1e-3, 1e-3, 1e6, 1e6, 1e6, 1e-2];
+pub const VARIANCES: [f64; 6] = [1e-3, 1e-3, 1e6, 1e6, 1e6, 1e-2];
 /// `status` of a fix without correction, and of none (sensor_msgs/msg/NavSatStatus).
 const FIX: [i8; 2] = [-1, 0];
 /// `service` of GPS there.
@@ -90,6 +92,8 @@ pub struct Topics {
 struct Robot {
     space: Space,
     def: RobotDef,
+    /// The controller whose numbers count; without one those of the simulator.
+    controller: Option<Controller>,
     sensors: Vec<SensorNames>,
     odometer: Option<Odometer>,
     /// Transforms that do not change.
@@ -138,7 +142,8 @@ impl Topics {
         sink.publish(time, "/clock", &ros::Clock { clock: stamp(time) })
     }
 
-    /// Takes a robot that has come, with its number, name and class, and publishes what does not change about it.
+    /// Takes a robot that has come, with its number, name and class, and publishes what does not change about it. `controller` has the
+    /// numbers of its odometry, if they are not the simulator's.
     ///
     /// # Errors
     /// When the sink fails.
@@ -148,11 +153,13 @@ impl Topics {
         robot: u64,
         called: &str,
         def: &RobotDef,
+        controller: Option<Controller>,
         sink: &mut S,
     ) -> Result<(), S::Error> {
         let space = self.spaces.come(robot, called);
+        let space = controller.iter().fold(space, Space::with);
         let sensors = names::of_sensors(def, &space);
-        let frame = |link: usize| description::frame(def, link, &space.prefix);
+        let frame = |link: usize| description::frame(def, link, &space);
         let links = def.links.iter().enumerate().filter_map(|(number, link)| {
             let joint = link.joint.as_ref().filter(|joint| !moves(joint.kind))?;
             let parent = def.links.get(joint.parent)?;
@@ -168,7 +175,8 @@ impl Topics {
         });
         let fixed = links.chain(mounts.flatten()).collect();
         let def = def.clone();
-        self.robots.insert(robot, Robot { space, def, sensors, odometer: None, fixed, depths: BTreeMap::new() });
+        self.robots
+            .insert(robot, Robot { space, def, controller, sensors, odometer: None, fixed, depths: BTreeMap::new() });
         self.announce(time, robot, sink)
     }
 
@@ -179,7 +187,7 @@ impl Topics {
     pub fn announce<S: Sink>(&self, time: f64, robot: u64, sink: &mut S) -> Result<(), S::Error> {
         let Some(Robot { space, def, .. }) = self.robots.get(&robot) else { return Ok(()) };
         self.publish_fixed(time, sink)?;
-        let description = ros::Text { data: description::urdf(def, &space.prefix) };
+        let description = ros::Text { data: description::urdf(def, space) };
         sink.publish(time, &space.topic("robot_description"), &description)
     }
 
@@ -206,29 +214,38 @@ impl Topics {
         state: &State,
         sink: &mut S,
     ) -> Result<(), S::Error> {
-        let Some(Robot { space, def, odometer, .. }) = self.robots.get_mut(&robot) else { return Ok(()) };
-        let odometer = odometer.get_or_insert_with(|| Odometer::new(def, &self.floor, state.pose));
+        let Some(Robot { space, def, controller, odometer, .. }) = self.robots.get_mut(&robot) else { return Ok(()) };
+        let controller = controller.as_ref();
+        let odometer = odometer.get_or_insert_with(|| Odometer::new(def, &self.floor, controller, state.pose));
         let moved = odometer.moved(time, state);
-        let (odom, base) = (format!("{}odom", space.prefix), description::frame(def, 0, &space.prefix));
+        let (odom, base) = (&space.odom, &space.base);
         if self.is_localised {
             let beginning = state.pose * moved.pose.inverse();
-            self.transforms.push(convert::transform(time, MAP, &odom, &beginning));
+            self.transforms.push(convert::transform(time, MAP, odom, &beginning));
         }
-        self.transforms.push(convert::transform(time, &odom, &base, &moved.pose));
+        if controller.is_none_or(|controller| controller.publishes_transform) {
+            self.transforms.push(convert::transform(time, odom, base, &moved.pose));
+        }
         let placed = def.placed_links(state.joints);
         for (number, (link, pose)) in placed.iter().enumerate() {
             let Some(joint) = link.joint.as_ref().filter(|joint| moves(joint.kind)) else { continue };
             let Some((_, parent)) = placed.get(joint.parent) else { continue };
-            let frame = |link| description::frame(def, link, &space.prefix);
+            let frame = |link| description::frame(def, link, space);
             let transform = convert::transform(time, &frame(joint.parent), &frame(number), &(parent.inverse() * pose));
             self.transforms.push(transform);
         }
         let own = state.pose.rotation.inverse();
         let truth = Moved { pose: state.pose, linear: own * state.linear, angular: own * state.angular };
-        sink.publish(time, &space.topic("odom"), &odometry(header(time, &odom), &base, &moved, VARIANCES))?;
-        sink.publish(time, &space.topic("ground_truth"), &odometry(header(time, MAP), &base, &truth, [0.0; 6]))?;
+        let variances = controller.map_or([VARIANCES; 2], |controller| controller.variances);
+        let message = odometry(header(time, odom), base, &moved, variances);
+        sink.publish(time, &space.topic("odom"), &message)?;
+        if let Some(controller) = controller {
+            let [_, topic] = controller.topics();
+            sink.publish(time, &space.topic(&topic), &message)?;
+        }
+        sink.publish(time, &space.topic("ground_truth"), &odometry(header(time, MAP), base, &truth, [[0.0; 6]; 2]))?;
         let joints = ros::JointState {
-            header: header(time, &base),
+            header: header(time, base),
             name: def.with_values().map(|link| name(&link.name)).collect(),
             position: state.joints.iter().map(|joint| joint.position).collect(),
             velocity: state.joints.iter().map(|joint| joint.speed).collect(),
@@ -261,7 +278,7 @@ impl Topics {
         // NaN is a number that is not measured.
         let unmeasured = f32::NAN;
         let state = ros::BatteryState {
-            header: header(time, &description::frame(def, 0, &space.prefix)),
+            header: header(time, &space.base),
             voltage: unmeasured,
             temperature: unmeasured,
             current: unmeasured,
@@ -344,8 +361,7 @@ impl Topics {
                     angular: Vector3::zeros(),
                 };
                 let frame = convert::header(time, &format!("{}_start", names.frame));
-                let base = description::frame(def, 0, &space.prefix);
-                let mut message = odometry(frame, &base, &moved, VARIANCES);
+                let mut message = odometry(frame, &space.base, &moved, [VARIANCES; 2]);
                 message.twist.covariance[0][0] = convert::NOT_MEASURED;
                 sink.publish(time, topic, &message)
             }
@@ -420,17 +436,20 @@ fn moves(kind: JointKind) -> bool {
     matches!(kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic)
 }
 
-/// Makes a message about a robot's frame in another one, with these variances.
-fn odometry(header: ros::Header, base: &str, moved: &Moved, variances: [f64; 6]) -> ros::Odometry {
-    let mut covariance = [[0.0; 6]; 6];
-    for (axis, variance) in variances.into_iter().enumerate() {
-        covariance[axis][axis] = variance;
-    }
+/// Makes a message about a robot's frame in another one, with these variances of pose and twist.
+fn odometry(header: ros::Header, base: &str, moved: &Moved, variances: [[f64; 6]; 2]) -> ros::Odometry {
+    let [of_pose, of_twist] = variances.map(|variances| {
+        let mut covariance = [[0.0; 6]; 6];
+        for (axis, variance) in variances.into_iter().enumerate() {
+            covariance[axis][axis] = variance;
+        }
+        covariance
+    });
     let (linear, angular) = (convert::vector(moved.linear), convert::vector(moved.angular));
     ros::Odometry {
         header,
         child_frame_id: base.to_owned(),
-        pose: ros::PoseWithCovariance { pose: pose(&moved.pose), covariance },
-        twist: ros::TwistWithCovariance { twist: ros::Twist { linear, angular }, covariance },
+        pose: ros::PoseWithCovariance { pose: pose(&moved.pose), covariance: of_pose },
+        twist: ros::TwistWithCovariance { twist: ros::Twist { linear, angular }, covariance: of_twist },
     }
 }

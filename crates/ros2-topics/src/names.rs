@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use scene::RobotDef;
 use scene::sensor::Config;
 
+use crate::controller::Controller;
 use crate::convert;
 
 /// A choice of the robots' namespaces.
@@ -26,14 +27,25 @@ pub struct Space {
     pub namespace: String,
     /// Before its frames: `R1/`, or nothing.
     pub prefix: String,
+    /// Frame of the robot.
+    pub base: String,
+    /// Frame of its odometry.
+    pub odom: String,
 }
 
 impl Space {
     fn of(name: &str) -> Self {
-        if name.is_empty() {
-            return Self::default();
-        }
-        Self { namespace: format!("/{name}"), prefix: format!("{name}/") }
+        let (namespace, prefix) =
+            if name.is_empty() { Default::default() } else { (format!("/{name}"), format!("{name}/")) };
+        let (base, odom) = (format!("{prefix}base_link"), format!("{prefix}odom"));
+        Self { namespace, prefix, base, odom }
+    }
+
+    /// Names its frames as a controller does.
+    pub(crate) fn with(self, controller: &Controller) -> Self {
+        let Self { prefix, .. } = &self;
+        let (base, odom) = (format!("{prefix}{}", controller.base_frame), format!("{prefix}{}", controller.odom_frame));
+        Self { base, odom, ..self }
     }
 
     /// Returns a topic in it.

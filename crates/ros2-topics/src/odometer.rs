@@ -6,6 +6,7 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use scene::{JointState, Material, Pose, RobotDef};
 
 use crate::State;
+use crate::controller::Controller;
 
 /// Pose and velocity of a robot since it came.
 #[derive(Debug)]
@@ -32,13 +33,16 @@ pub(crate) struct Moved {
 }
 
 impl Odometer {
-    pub(crate) fn new(def: &RobotDef, floor: &Material, start: Pose) -> Self {
+    pub(crate) fn new(def: &RobotDef, floor: &Material, controller: Option<&Controller>, start: Pose) -> Self {
         let steering = def.links.iter().enumerate().filter_map(|(number, link)| {
             let axis = link.joint.as_ref()?.axis[2];
             Some((link.steered_axle()?, def.value_of(number)?, axis.signum()))
         });
         Self {
-            base: Base::of(def, Model::True).map(|base| base.on(def, floor)),
+            base: match controller {
+                Some(controller) => Some(controller.base(def)),
+                None => Base::of(def, Model::True).map(|base| base.on(def, floor)),
+            },
             wheels: def.driven().filter_map(|wheel| def.value_of(wheel.link)).collect(),
             steering: steering.collect(),
             last: None,

@@ -19,6 +19,8 @@ const STATE_INTERVAL: f64 = 0.02;
 const STATUS_INTERVAL: f64 = 1.0;
 /// Least real time between two of each, for worlds that are faster than real time.
 const LEAST: Duration = Duration::from_millis(2);
+/// Real time after which a world that does not step tells its state again, for robots that come and go meanwhile.
+const IDLE_INTERVAL: Duration = Duration::from_millis(200);
 /// Most items that wait. Further ones are left out.
 pub(crate) const MOST_WAITING: usize = 512;
 
@@ -128,6 +130,15 @@ impl Feed {
             let batteries = world.robots().filter_map(left).collect();
             let (unsettled, dropped) = (world.unsettled_steps(), self.dropped);
             self.send(Item::Status(Status { time, unsettled, batteries, dropped }));
+        }
+    }
+
+    /// Tells of a world that may stand still, at a real time: of the robots that came and left.
+    pub fn turned(&mut self, world: &World, now: Instant, snapshot: impl FnOnce() -> Arc<Snapshot>) {
+        let is_idle = |(_, at): (f64, Instant)| now.saturating_duration_since(at) >= IDLE_INTERVAL;
+        if self.state.0.is_none_or(is_idle) {
+            self.state.0 = None;
+            self.stepped(world, now, snapshot);
         }
     }
 

@@ -9,6 +9,7 @@
 //! DDS has no password. By default only this machine is spoken to, whatever the server's own address is.
 
 mod cameras;
+mod controller;
 mod dds;
 mod feed;
 mod interfaces;
@@ -24,9 +25,10 @@ use std::net::Ipv4Addr;
 use served_world::Entrance;
 use tokio::sync::mpsc::channel;
 
+pub use controller::ControllerFile;
 pub use dds::run as run_node;
 pub use feed::Feed;
-pub use ros2_topics::Namespaces;
+pub use ros2_topics::{Controller, Namespaces};
 
 /// Greatest domain whose ports exist on every system.
 pub const LAST_DOMAIN: u16 = 101;
@@ -44,6 +46,8 @@ pub struct Options {
     pub namespaces: Namespaces,
     /// True to publish `map` to `odom` from the truth, as a perfect localisation would.
     pub is_localised: bool,
+    /// Controllers whose numbers count for robots of a class, by its name.
+    pub controllers: Vec<(String, Controller)>,
     /// True if nodes may give orders to robots.
     pub takes_orders: bool,
     /// True if nodes may control the world: pause, reset, spawn.
@@ -61,6 +65,7 @@ impl Default for Options {
             address: Ipv4Addr::LOCALHOST,
             namespaces: Namespaces::default(),
             is_localised: false,
+            controllers: Vec::new(),
             takes_orders: true,
             may_control: true,
             maps: Vec::new(),

@@ -9,7 +9,7 @@ use base_motion::{Base, Drive as Motion, Model};
 use gamebots_proto::Command;
 use gamebots_proto::command::{Drive, MultiDrive, Set};
 use kinematics::Twist;
-use ros2_topics::{Message, Space, interfaces as ros, name};
+use ros2_topics::{Controller, Limit, Message, Space, interfaces as ros, name};
 use scene::{JointState, Material, PawnId, RobotDef, Steering};
 use served_world::{Entrance, Session};
 use tokio::sync::watch;
@@ -19,13 +19,15 @@ use tracing::{info, warn};
 
 use crate::node::{Incoming, Node};
 
-/// Time without an order after which a robot that drives is stopped, as ros2_control's controllers do. It has to pass by the simulated clock
-/// and by the real one, so that nodes may use either.
-const TIMEOUT: Duration = Duration::from_millis(500);
+/// Time without an order after which a robot that drives is stopped, as ros2_control's controllers do, s. It has to pass by the simulated
+/// clock and by the real one, so that nodes may use either.
+const TIMEOUT: f64 = 0.5;
 /// Time between two looks at the clocks.
 const TICK: Duration = Duration::from_millis(10);
 /// Largest velocity that is taken, m/s and rad/s. Motors have limits of their own.
 const FASTEST: f64 = 1000.0;
+/// Keys of Mecanum wheels, in the order of their speeds.
+const WHEELS: [&str; 4] = ["Front-Left", "Front-Right", "Back-Left", "Back-Right"];
 /// Most points of a trajectory.
 const MOST_POINTS: usize = 10_000;
 /// Longest time of a trajectory, s.
@@ -90,16 +92,45 @@ pub(crate) struct Driver {
     fastest: f64,
     /// Wheel speed of the protocol, rad/s.
     unit: f64,
+    /// Limits ahead, to the left and of the turn.
+    limits: [Limit; 3],
+    /// Time without an order after which it stops, s; 0 for never.
+    timeout: f64,
+    /// Topic of its controller beside `cmd_vel`.
+    topic: Option<String>,
 }
 
 impl Driver {
-    /// Returns the driver of a class on a floor; `None` if it does not drive. `unit` is one wheel-speed unit of the protocol, rad/s.
-    pub(crate) fn of(def: &RobotDef, floor: &Material, unit: f64) -> Option<Self> {
-        let base = Base::of(def, Model::True).map(|base| base.on(def, floor));
+    /// Returns the driver of a class on a floor, with the numbers of a controller if there is one; `None` if it does not drive. `unit` is one
+    /// wheel-speed unit of the protocol, rad/s.
+    pub(crate) fn of(def: &RobotDef, floor: &Material, controller: Option<&Controller>, unit: f64) -> Option<Self> {
+        let base = match controller {
+            Some(controller) => Some(controller.base(def)),
+            None => Base::of(def, Model::True).map(|base| base.on(def, floor)),
+        };
         let limits = def.driven().filter_map(|wheel| wheel.drive).map(|motor| motor.max_speed);
         let fastest = limits.fold(f64::INFINITY, f64::min);
         let drives = base.is_some() && def.steering.is_on_wheels() || def.steering == Steering::Aerial;
-        drives.then_some(Self { steering: def.steering, base, fastest, unit })
+        let limits = controller.map_or([Limit::NONE; 3], |controller| controller.limits);
+        let timeout = controller.map_or(TIMEOUT, |controller| controller.timeout);
+        let topic = controller.map(Controller::topics).map(|[topic, _]| topic);
+        drives.then_some(Self { steering: def.steering, base, fastest, unit, limits, timeout, topic })
+    }
+
+    /// Returns the velocity after a time, s, on the way from one to another.
+    fn next(&self, now: Velocity, wanted: Velocity, time: f64) -> Velocity {
+        let [ahead, left, turn] = self.limits;
+        let ([x, y, _], [wanted_x, wanted_y, z]) = (now.linear, wanted.linear);
+        Velocity {
+            linear: [ahead.next(x, wanted_x, time), left.next(y, wanted_y, time), z],
+            yaw: turn.next(now.yaw, wanted.yaw, time),
+        }
+    }
+
+    /// Returns wheel speeds, rad/s, in the unit of the protocol. Those out of reach are scaled down as a whole, which keeps their curve.
+    fn within<const N: usize>(&self, speeds: [f64; N]) -> [f64; N] {
+        let excess = speeds.iter().map(|speed| speed.abs() / self.fastest).fold(1.0, f64::max);
+        speeds.map(|speed| speed / excess / self.unit)
     }
 
     fn command(&self, Velocity { linear: [x, y, z], yaw }: Velocity) -> Command {
@@ -112,14 +143,12 @@ impl Driver {
         let twist = Twist { forward: x, right: -y, clockwise: -yaw };
         Command::Drive(match self.base.as_ref().map(|base| base.drive(twist)) {
             Some(Motion::Sides(speeds)) => {
-                // A velocity out of reach is scaled down as a whole, which keeps its curve.
-                let excess = speeds.iter().map(|speed| speed.abs() / self.fastest).fold(1.0, f64::max);
-                let [left, right] = speeds.map(|speed| speed / excess / self.unit);
+                let [left, right] = self.within(speeds);
                 drive.with("Left", left).with("Right", right)
             }
-            Some(Motion::Mecanum(Twist { forward, right, clockwise })) => {
-                let drive = drive.with("LinearVelocity", forward).with("LateralVelocity", right);
-                drive.with("RotationalVelocity", clockwise)
+            Some(Motion::Wheels(speeds)) => {
+                let speeds = self.within(speeds);
+                WHEELS.iter().zip(speeds).fold(drive, |drive, (wheel, speed)| drive.with(wheel, speed))
             }
             Some(Motion::Car { speed, steer: [front, rear] }) => {
                 drive.with("Speed", speed / self.unit).with("FrontSteer", front).with("RearSteer", rear)
@@ -238,12 +267,12 @@ pub(crate) fn listen(
     let session = || entrance.open_program("ROS 2").ok();
     let pawn = PawnId(robot);
     if let Some((driver, session)) = driver.zip(session()) {
-        let topic = space.topic("cmd_vel");
         let (send, wanted) = watch::channel(Velocity::default());
-        let plain = node.listen::<ros::Twist>(&topic);
-        let stamped = node.listen::<ros::TwistStamped>(&topic);
-        for incoming in [plain, stamped] {
-            tasks.push(tokio::spawn(hear_velocities(incoming, send.clone(), topic.clone())));
+        for topic in std::iter::once("cmd_vel").chain(driver.topic.as_deref()) {
+            let topic = space.topic(topic);
+            for incoming in [node.listen::<ros::Twist>(&topic), node.listen::<ros::TwistStamped>(&topic)] {
+                tasks.push(tokio::spawn(hear_velocities(incoming, send.clone(), topic.clone())));
+            }
         }
         tasks.push(tokio::spawn(drive(session, pawn, driver, wanted, present.clone())));
     }
@@ -299,7 +328,7 @@ async fn hear_velocities(mut incoming: Incoming, wanted: watch::Sender<Velocity>
 /// Length of a Twist: six numbers of 64 bits. A TwistStamped is longer.
 const TWIST_BYTES: usize = 48;
 
-/// Drives a robot as is wanted, and stops it when nothing has been wanted for a while.
+/// Drives a robot as is wanted, within its driver's limits, and stops it when nothing has been wanted for a while.
 async fn drive(
     session: Session,
     pawn: PawnId,
@@ -307,31 +336,33 @@ async fn drive(
     mut wanted: watch::Receiver<Velocity>,
     present: Present,
 ) {
-    let mut moving: Option<(Instant, f64)> = None;
+    let (mut goal, mut now) = (Velocity::default(), Velocity::default());
+    // Real and simulated time of the last order, and simulated time of the last velocity.
+    let (mut at, mut since, mut last) = (Instant::now(), 0.0, 0.0);
     loop {
-        let velocity = match moving {
-            None => wanted.changed().await.map(|()| Some(*wanted.borrow_and_update())),
-            Some(_) => match timeout(TICK, wanted.changed()).await {
-                Ok(changed) => changed.map(|()| Some(*wanted.borrow_and_update())),
-                Err(_) => Ok(None),
-            },
+        let is_idle = goal == Velocity::default() && now == goal;
+        let changed = if is_idle { Ok(wanted.changed().await) } else { timeout(TICK, wanted.changed()).await };
+        let is_ordered = match changed {
+            Ok(Ok(())) => true,
+            Ok(Err(_)) => return,
+            Err(_) => false,
         };
-        let Ok(velocity) = velocity else { return };
-        let (now, time) = (Instant::now(), present.seconds());
-        let velocity = match (velocity, moving) {
-            (Some(velocity), _) => velocity,
-            (None, Some((at, since)))
-                if now - at >= TIMEOUT && !(0.0..TIMEOUT.as_secs_f64()).contains(&(time - since)) =>
-            {
-                info!("ROS 2: robot {} is stopped: no cmd_vel for {} s", pawn.0, TIMEOUT.as_secs_f64());
-                Velocity::default()
-            }
-            (None, _) => continue,
-        };
-        moving = (velocity != Velocity::default()).then_some((now, time));
-        if session.order_to(pawn, driver.command(velocity)).await.is_err() {
+        let (real, time) = (Instant::now(), present.seconds());
+        if is_ordered {
+            (goal, at, since) = (*wanted.borrow_and_update(), real, time);
+        }
+        // A time that goes back is that of a fresh world.
+        let is_over = (real - at).as_secs_f64() >= driver.timeout && !(0.0..driver.timeout).contains(&(time - since));
+        if is_over && driver.timeout > 0.0 && goal != Velocity::default() {
+            info!("ROS 2: robot {} is stopped: no cmd_vel for {} s", pawn.0, driver.timeout);
+            goal = Velocity::default();
+        }
+        let next = driver.next(now, goal, if is_idle { 0.0 } else { (time - last).max(0.0) });
+        last = time;
+        if (next != now || is_ordered) && session.order_to(pawn, driver.command(next)).await.is_err() {
             return;
         }
+        now = next;
     }
 }
 

@@ -21,6 +21,8 @@ use crate::services::{Desk, Latest, Replies};
 
 /// Real time between two looks at which cameras somebody wants.
 const LOOK_INTERVAL: Duration = Duration::from_millis(200);
+/// Most objects that are all told of now and then: more do not fit into one message that arrives whole.
+const MOST_OBJECTS: usize = 256;
 /// Levels of diagnostics (diagnostic_msgs/msg/DiagnosticStatus).
 const OK: u8 = 0;
 const WARN: u8 = 1;
@@ -82,6 +84,8 @@ struct Bridge {
     cameras: Cameras,
     shared: Shared,
     robots: BTreeMap<u64, Robot>,
+    /// Simulated time of the last state, s. A world that stands still tells it again.
+    told: Option<f64>,
     /// Poses of objects as they were published last.
     objects: BTreeMap<ObjectId, Pose>,
     /// The newest scene, for services, and what they know of the world.
@@ -115,7 +119,7 @@ impl Bridge {
         } else {
             Vec::new()
         };
-        Self { node, topics, floor, cameras, shared, robots, objects, scene, latest, services, last }
+        Self { node, topics, floor, cameras, shared, robots, objects, scene, latest, services, last, told: None }
     }
 
     fn take(&mut self, item: Item) {
@@ -127,7 +131,7 @@ impl Bridge {
                 self.floor = floor(&scene.def().map);
                 self.scene = Some(scene);
                 self.objects.clear();
-                self.last = None;
+                (self.last, self.told) = (None, None);
             }
             Item::Came { robot, name, def } => self.come(robot, &name, &def),
             Item::Clock(time) => done(self.topics.publish_clock(time, &mut self.node)),
@@ -150,12 +154,14 @@ impl Bridge {
         self.node.own(Some(robot));
         let time = self.shared.time.load(std::sync::atomic::Ordering::Relaxed) as f64 * 1e-9;
         // The transforms of all robots are the world's.
-        done(self.topics.come(time, robot, name, def, &mut self.node));
+        let controllers = &self.shared.options.controllers;
+        let controller = controllers.iter().find(|(class, _)| *class == def.class).map(|(_, controller)| controller);
+        done(self.topics.come(time, robot, name, def, controller.cloned(), &mut self.node));
         let Some((space, _)) = self.topics.robot(robot) else { return };
         let joints = Arc::<Mutex<Vec<JointState>>>::default();
         let present = Present { time: self.shared.time.clone(), joints: joints.clone() };
         let Shared { options, unit, entrance, .. } = &self.shared;
-        let driver = Driver::of(def, &self.floor, *unit);
+        let driver = Driver::of(def, &self.floor, controller, *unit);
         let listening =
             options.takes_orders.then(|| orders::listen(robot, def, space, driver, &mut self.node, entrance, &present));
         let mut cameras = Vec::new();
@@ -180,6 +186,9 @@ impl Bridge {
         let gone = |robot: &u64| !snapshot.robots.iter().any(|seen| seen.id.0 == *robot);
         let gone: Vec<u64> = self.robots.keys().copied().filter(gone).collect();
         gone.into_iter().for_each(|robot| self.leave(robot));
+        if self.told.replace(snapshot.time) == Some(snapshot.time) {
+            return;
+        }
         for RobotSnapshot { id, body, joints, .. } in &snapshot.robots {
             let Some(robot) = self.robots.get(&id.0) else { continue };
             robot.joints.lock().unwrap_or_else(PoisonError::into_inner).clone_from(joints);
@@ -202,6 +211,10 @@ impl Bridge {
         for &(robot, left) in batteries {
             self.node.own(Some(robot));
             done(self.topics.publish_battery(*time, robot, left, &mut self.node));
+        }
+        if self.objects.len() <= MOST_OBJECTS {
+            // Whoever came since is told of those that do not move.
+            self.objects.clear();
         }
         let (now, left_out) = (Instant::now(), dropped + self.node.refused());
         let (before, at, left_out_before) = self.last.replace((*time, now, left_out)).unwrap_or((*time, now, 0));

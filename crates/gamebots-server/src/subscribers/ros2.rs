@@ -23,6 +23,12 @@ impl Subscriber for Feed {
         Vec::new()
     }
 
+    fn publish(&mut self, moment: &mut Moment) -> Vec<String> {
+        let Moment { world, now, present, .. } = moment;
+        self.turned(world, *now, || present.of(world));
+        Vec::new()
+    }
+
     fn start_over(&mut self, _: &mut Moment, _: &World) -> Vec<String> {
         Feed::start_over(self);
         Vec::new()

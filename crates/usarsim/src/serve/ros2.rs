@@ -2,9 +2,11 @@
 
 use std::ffi::OsString;
 use std::net::Ipv4Addr;
+use std::path::Path;
 
 use clap::ValueEnum;
-use ros2::{LAST_DOMAIN, Namespaces, Options};
+use ros2::{Controller, ControllerFile, LAST_DOMAIN, Namespaces, Options};
+use scene::Classes;
 
 use crate::{Failure, exit};
 
@@ -35,7 +37,12 @@ pub(crate) struct Ros2Choice {
     /// themselves.
     #[arg(long, env = "USARSIM_ROS2_LOCALISED", requires = "ros2", hide_short_help = true)]
     ros2_localised: bool,
-    /// Let ROS 2 in beside --token-file, although DDS asks nobody for a token.
+    /// Drive robots of a class as a controller of ros2_control does, with the parameters of its YAML file: wheel separation, radius, their
+    /// multipliers, limits, topics and frames of a diff_drive, mecanum_drive or ackermann_steering controller. Without a class it is that of
+    /// the only --robot. May be given several times.
+    #[arg(long, value_name = "[CLASS=]FILE.yaml", requires = "ros2", hide_short_help = true)]
+    ros2_controller: Vec<String>,
+    /// Let ROS 2 in beside --token-file or --league, although DDS asks nobody for a token and shows every robot to every node.
     #[arg(long, env = "USARSIM_ROS2_UNGUARDED", requires = "ros2", hide_short_help = true)]
     ros2_unguarded: bool,
 }
@@ -47,15 +54,17 @@ enum Namespace {
 }
 
 impl Ros2Choice {
-    /// Returns the settings of the node; `None` without one. `has_tokens` is true if clients need a token. The variables
-    /// `ROS_AUTOMATIC_DISCOVERY_RANGE` and `ROS_LOCALHOST_ONLY` of ROS can only close it.
-    pub(crate) fn options(&self, has_tokens: bool) -> Result<Option<Options>, Failure> {
+    /// Returns the settings of the node; `None` without one. `guard` is the option that keeps clients apart, if there is one; `robots` has the classes. The
+    /// variables `ROS_AUTOMATIC_DISCOVERY_RANGE` and `ROS_LOCALHOST_ONLY` of ROS can only close it.
+    pub(crate) fn options(&self, guard: Option<&str>, robots: &Classes) -> Result<Option<Options>, Failure> {
         if !self.ros2 {
             return Ok(None);
         }
-        if has_tokens && !self.ros2_unguarded {
-            let text = "--ros2 with --token-file: DDS asks nobody for a token, so every program of this machine could drive; \
-                        --ros2-unguarded allows it";
+        if let Some(guard) = guard.filter(|_| !self.ros2_unguarded) {
+            let text = format!(
+                "--ros2 with {guard}: DDS has no password, so every program of this machine could see and drive every robot; \
+                 --ros2-unguarded allows it"
+            );
             return Err(Failure::new(exit::USAGE, text));
         }
         let range = std::env::var("ROS_AUTOMATIC_DISCOVERY_RANGE").unwrap_or_default();
@@ -79,9 +88,41 @@ impl Ros2Choice {
             Namespace::None => Namespaces::NoneForTheFirst,
         };
         let is_localised = self.ros2_localised;
+        let controllers = self.controllers(robots)?;
         let program =
             program().map_err(|error| Failure::new(exit::FAILURE, format!("ROS 2: this program: {error}")))?;
-        Ok(Some(Options { program, domain: self.ros2_domain, address, namespaces, is_localised, ..Options::default() }))
+        Ok(Some(Options {
+            program,
+            domain: self.ros2_domain,
+            address,
+            namespaces,
+            is_localised,
+            controllers,
+            ..Options::default()
+        }))
+    }
+
+    /// Reads the controllers, each with its class.
+    fn controllers(&self, robots: &Classes) -> Result<Vec<(String, Controller)>, Failure> {
+        let wrong =
+            |file: &str, why: String| Failure::new(exit::BAD_CONFIGURATION, format!("--ros2-controller {file}: {why}"));
+        let read = |given: &String| {
+            let (class, file) =
+                given.split_once('=').map_or((None, given.as_str()), |(class, file)| (Some(class), file));
+            // Classes that are read at the start are those of files.
+            let mut own = robots.read().map(|(name, _)| name);
+            let class = match (class, own.next(), own.next()) {
+                (Some(class), ..) => robots.find(class).cloned().ok_or_else(|| format!("no class `{class}`")),
+                (None, Some(only), None) => Ok(only.clone()),
+                (None, ..) => Err("which class? Expected CLASS=FILE.yaml, or one --robot".to_owned()),
+            };
+            let class = class.map_err(|why| wrong(file, why))?;
+            let text = scene_loader::text(Path::new(file)).map_err(|error| wrong(file, error.to_string()))?;
+            let robot = robots.get(&class).ok_or_else(|| wrong(file, format!("no class `{class}`")))?;
+            let controller = ControllerFile::read(&text).and_then(|controller| controller.of(robot));
+            Ok((class, controller.map_err(|why| wrong(file, why))?))
+        };
+        self.ros2_controller.iter().map(read).collect()
     }
 }
 
