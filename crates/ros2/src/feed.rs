@@ -17,9 +17,11 @@ const CLOCK_INTERVAL: f64 = 0.01;
 const STATE_INTERVAL: f64 = 0.02;
 /// Simulated time between two states of batteries and of the world, s.
 const STATUS_INTERVAL: f64 = 1.0;
-/// Least real time between two of each, for worlds that are faster than real time.
-const LEAST: Duration = Duration::from_millis(2);
-/// Real time after which a world that does not step tells its state again, for robots that come and go meanwhile.
+/// Real time over which items of a kind are counted, and most of them in it, for worlds that are faster than real time: five times as many
+/// as of one in real time.
+const WINDOW: Duration = Duration::from_millis(100);
+const MOST_IN_WINDOW: u32 = 50;
+/// Real time after which a world that does not step tells of the robots that came and left meanwhile.
 const IDLE_INTERVAL: Duration = Duration::from_millis(200);
 /// Most items that wait. Further ones are left out.
 pub(crate) const MOST_WAITING: usize = 512;
@@ -34,6 +36,8 @@ pub(crate) enum Item {
     Clock(f64),
     /// All robots and objects. Robots that are missing have left.
     State(Arc<Snapshot>),
+    /// Robots and objects of a world that stands still.
+    Still(Arc<Snapshot>),
     /// The state of the world and of its robots' batteries.
     Status(Status),
     /// A reading of a sensor at a time, s.
@@ -71,21 +75,29 @@ pub struct Feed {
     clock: Timer,
     state: Timer,
     status: Timer,
+    /// Real time of the last step, or of the last news of a world that stands still.
+    moved: Option<Instant>,
     dropped: u64,
 }
 
-/// Simulated and real time of the last item of a kind.
+/// Times of the items of a kind.
 #[derive(Default)]
-struct Timer(Option<(f64, Instant)>);
+struct Timer {
+    /// Simulated time of the last one, s.
+    last: Option<f64>,
+    /// Begin of the present window of real time, and the items in it.
+    window: Option<(Instant, u32)>,
+}
 
 impl Timer {
     /// True if an interval of simulated time, s, has passed since the last time that it was true, or time went back.
     fn is_due(&mut self, time: f64, now: Instant, interval: f64) -> bool {
-        let is_due = self.0.is_none_or(|(last, at)| {
-            time < last || time - last >= interval - 1e-6 && now.saturating_duration_since(at) >= LEAST
-        });
+        let has_passed = self.last.is_none_or(|last| time < last || time - last >= interval - 1e-6);
+        let window = self.window.filter(|(begin, _)| now.saturating_duration_since(*begin) < WINDOW);
+        let (begin, count) = window.unwrap_or((now, 0));
+        let is_due = has_passed && count < MOST_IN_WINDOW;
         if is_due {
-            self.0 = Some((time, now));
+            (self.last, self.window) = (Some(time), Some((begin, count + 1)));
         }
         is_due
     }
@@ -103,6 +115,7 @@ impl Feed {
             clock: Timer::default(),
             state: Timer::default(),
             status: Timer::default(),
+            moved: None,
             dropped: 0,
         }
     }
@@ -111,10 +124,8 @@ impl Feed {
     pub fn stepped(&mut self, world: &World, now: Instant, snapshot: impl FnOnce() -> Arc<Snapshot>) {
         let time = world.time();
         self.time.store((time * 1e9) as u64, Ordering::Relaxed);
-        if self.is_fresh {
-            self.is_fresh = !self.send(Item::StartOver(world.scene().clone()));
-        }
-        if self.is_fresh {
+        self.moved = Some(now);
+        if !self.begins(world) {
             return;
         }
         if self.clock.is_due(time, now, CLOCK_INTERVAL) {
@@ -135,11 +146,21 @@ impl Feed {
 
     /// Tells of a world that may stand still, at a real time: of the robots that came and left.
     pub fn turned(&mut self, world: &World, now: Instant, snapshot: impl FnOnce() -> Arc<Snapshot>) {
-        let is_idle = |(_, at): (f64, Instant)| now.saturating_duration_since(at) >= IDLE_INTERVAL;
-        if self.state.0.is_none_or(is_idle) {
-            self.state.0 = None;
-            self.stepped(world, now, snapshot);
+        let is_still = self.moved.is_none_or(|at| now.saturating_duration_since(at) >= IDLE_INTERVAL);
+        if is_still && self.begins(world) {
+            self.moved = Some(now);
+            let snapshot = snapshot();
+            self.tell_of_new_robots(world, &snapshot);
+            self.send(Item::Still(snapshot));
         }
+    }
+
+    /// Tells of a fresh world, if the node does not know it yet. True if it does now.
+    fn begins(&mut self, world: &World) -> bool {
+        if self.is_fresh {
+            self.is_fresh = !self.send(Item::StartOver(world.scene().clone()));
+        }
+        !self.is_fresh
     }
 
     /// Tells of a reading. `snapshot` makes the snapshot of the world, for pictures.
@@ -213,10 +234,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn items_are_due_by_simulated_time_and_not_too_often_by_the_clock() {
+    fn items_are_due_by_simulated_time_and_not_too_many_at_once() {
         let (mut timer, start) = (Timer::default(), Instant::now());
         let mut due = |time: f64, real: u64| timer.is_due(time, start + Duration::from_millis(real), 0.01);
-        let got = [due(0.0, 0), due(0.008, 8), due(0.01, 10), due(0.02, 11), due(0.03, 13), due(0.0, 13)];
-        assert_eq!(got, [true, false, true, false, true, true]);
+        // A world that catches up tells all of it.
+        let got = [due(0.0, 0), due(0.008, 8), due(0.01, 10), due(0.02, 10), due(0.03, 10), due(0.0, 13)];
+        assert_eq!(got, [true, false, true, true, true, true]);
+        let told = (1..=1000).filter(|step| due(f64::from(*step) * 0.01, 20)).count();
+        assert_eq!(told, 45, "five were told before");
+        assert!(due(20.0, 120));
     }
 }

@@ -84,8 +84,6 @@ struct Bridge {
     cameras: Cameras,
     shared: Shared,
     robots: BTreeMap<u64, Robot>,
-    /// Simulated time of the last state, s. A world that stands still tells it again.
-    told: Option<f64>,
     /// Poses of objects as they were published last.
     objects: BTreeMap<ObjectId, Pose>,
     /// The newest scene, for services, and what they know of the world.
@@ -119,7 +117,7 @@ impl Bridge {
         } else {
             Vec::new()
         };
-        Self { node, topics, floor, cameras, shared, robots, objects, scene, latest, services, last, told: None }
+        Self { node, topics, floor, cameras, shared, robots, objects, scene, latest, services, last }
     }
 
     fn take(&mut self, item: Item) {
@@ -131,15 +129,15 @@ impl Bridge {
                 self.floor = floor(&scene.def().map);
                 self.scene = Some(scene);
                 self.objects.clear();
-                (self.last, self.told) = (None, None);
+                self.last = None;
             }
             Item::Came { robot, name, def } => self.come(robot, &name, &def),
             Item::Clock(time) => done(self.topics.publish_clock(time, &mut self.node)),
             Item::State(snapshot) => {
                 self.publish_state(&snapshot);
-                let latest = self.scene.clone().map(|scene| (scene, snapshot));
-                *self.latest.lock().unwrap_or_else(PoisonError::into_inner) = latest;
+                self.follow(snapshot);
             }
+            Item::Still(snapshot) => self.follow(snapshot),
             Item::Status(status) => self.publish_status(&status),
             Item::Sensed(time, sensed) => {
                 self.node.own(Some(sensed.robot.0));
@@ -182,13 +180,16 @@ impl Bridge {
         }
     }
 
-    fn publish_state(&mut self, snapshot: &Snapshot) {
+    /// Follows the world to a snapshot: robots that are missing have left, and services know it.
+    fn follow(&mut self, snapshot: Arc<Snapshot>) {
         let gone = |robot: &u64| !snapshot.robots.iter().any(|seen| seen.id.0 == *robot);
         let gone: Vec<u64> = self.robots.keys().copied().filter(gone).collect();
         gone.into_iter().for_each(|robot| self.leave(robot));
-        if self.told.replace(snapshot.time) == Some(snapshot.time) {
-            return;
-        }
+        let latest = self.scene.clone().map(|scene| (scene, snapshot));
+        *self.latest.lock().unwrap_or_else(PoisonError::into_inner) = latest;
+    }
+
+    fn publish_state(&mut self, snapshot: &Snapshot) {
         for RobotSnapshot { id, body, joints, .. } in &snapshot.robots {
             let Some(robot) = self.robots.get(&id.0) else { continue };
             robot.joints.lock().unwrap_or_else(PoisonError::into_inner).clone_from(joints);
