@@ -91,6 +91,27 @@ fn view(stage: &Stage, def: &WorldDef, snapshot: &Snapshot, robot: PawnId, camer
 /// Width and height of the picture of a robot's camera, pixels, as USARSim's.
 pub const SENSOR_SIZE: [usize; 2] = [320, 240];
 
+/// A drawer of cameras' pictures, one scene after the other. It prepares a scene once for all pictures of it in a row.
+pub struct Drawer<S>(Option<(S, Stage)>);
+
+impl<S> Default for Drawer<S> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl<S: AsRef<WorldDef> + Clone> Drawer<S> {
+    /// Draws the picture of a camera's reading, as [`of_sensor`] does. Copies of a scene share its definition.
+    pub fn of_sensor(&mut self, scene: &S, snapshot: &Snapshot, sensed: &Sensed, size: [usize; 2]) -> Option<Image> {
+        let def = scene.as_ref();
+        if self.0.as_ref().is_none_or(|(known, _)| !std::ptr::eq(known.as_ref(), def)) {
+            self.0 = Some((scene.clone(), Stage::new(def)));
+        }
+        let (_, stage) = self.0.as_ref()?;
+        of_sensor(stage, def, snapshot, sensed, size)
+    }
+}
+
 /// Draws the picture of a camera's reading from the snapshot of its moment. `None` if the reading is another sensor's, or the robot or its
 /// sensor is missing.
 pub fn of_sensor(

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 
 use jpeg_encoder::{ColorType, Encoder};
-use picture::Stage;
+use picture::Drawer;
 use scene::{Reading, Sensed, Snapshot};
 use sim_core::CompiledScene;
 use tokio::sync::mpsc::UnboundedSender;
@@ -65,14 +65,10 @@ impl Cameras {
 }
 
 fn run(waiting: &Receiver<View>, drawn: &UnboundedSender<Drawn>) {
-    let mut prepared: Option<(CompiledScene, Stage)> = None;
+    let mut drawer = Drawer::default();
     while let Ok(View { scene, snapshot, sensed }) = waiting.recv() {
-        if prepared.as_ref().is_none_or(|(known, _)| !std::ptr::eq(known.def(), scene.def())) {
-            prepared = Some((scene.clone(), Stage::new(scene.def())));
-        }
-        let Some((_, stage)) = &prepared else { continue };
         let Reading::Camera(reading) = &sensed.reading else { continue };
-        let Some(image) = picture::of_sensor(stage, scene.def(), &snapshot, &sensed, SIZE) else { continue };
+        let Some(image) = drawer.of_sensor(&scene, &snapshot, &sensed, SIZE) else { continue };
         let mut jpeg = Vec::new();
         let [width, height] = SIZE.map(|size| size as u16);
         if Encoder::new(&mut jpeg, QUALITY).encode(image.pixels.as_flattened(), width, height, ColorType::Rgb).is_err()

@@ -11,6 +11,8 @@ use sim_core::{CompiledScene, World};
 use tokio::sync::mpsc::Sender;
 use tokio::sync::mpsc::error::TrySendError;
 
+use crate::cameras::View;
+
 /// Simulated time between two times on `/clock`, s.
 const CLOCK_INTERVAL: f64 = 0.01;
 /// Simulated time between two states, s, as in logs.
@@ -43,7 +45,7 @@ pub(crate) enum Item {
     /// A reading of a sensor at a time, s.
     Sensed(f64, Sensed),
     /// A view of a camera that somebody wants to see.
-    View { scene: CompiledScene, snapshot: Arc<Snapshot>, sensed: Sensed },
+    View(View),
 }
 
 /// The state of the world in numbers.
@@ -175,7 +177,7 @@ impl Feed {
             }
             drop(wanted);
             let (scene, sensed) = (world.scene().clone(), sensed.clone());
-            self.send(Item::View { scene, snapshot: snapshot(), sensed });
+            self.send(Item::View(View { scene, snapshot: snapshot(), sensed }));
         } else {
             self.send(Item::Sensed(world.time(), sensed.clone()));
         }

@@ -13,7 +13,7 @@ use tokio::sync::mpsc::{Receiver, unbounded_channel};
 use tracing::warn;
 
 use crate::Options;
-use crate::cameras::{Cameras, Drawn, SIZE, View};
+use crate::cameras::{Cameras, Drawn, SIZE};
 use crate::feed::{Item, Status, Wanted};
 use crate::node::Node;
 use crate::orders::{self, Driver, Listening, Present};
@@ -143,7 +143,7 @@ impl Bridge {
                 self.node.own(Some(sensed.robot.0));
                 done(self.topics.publish_reading(time, &sensed, &mut self.node));
             }
-            Item::View { scene, snapshot, sensed } => self.cameras.draw(View { scene, snapshot, sensed }),
+            Item::View(view) => self.cameras.draw(view),
         }
     }
 

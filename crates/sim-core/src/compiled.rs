@@ -22,6 +22,12 @@ struct Parts {
 /// Compiled classes by name; none of those that cannot be read.
 type Robots = BTreeMap<String, OnceLock<Option<Arc<CompiledRobot>>>>;
 
+impl AsRef<WorldDef> for CompiledScene {
+    fn as_ref(&self) -> &WorldDef {
+        self.def()
+    }
+}
+
 impl From<WorldDef> for CompiledScene {
     fn from(def: WorldDef) -> Self {
         let mut materials = Materials::default();

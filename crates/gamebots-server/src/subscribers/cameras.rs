@@ -8,13 +8,14 @@ use std::time::{Duration, Instant};
 use axum::body::Bytes;
 use page_protocol::pb;
 use page_protocol::pb::message::Content;
+use picture::Drawer;
 use scene::Sensed;
 use sim_core::{PawnId, World};
 use tokio::sync::broadcast;
 use tracing::warn;
 
 use crate::subscribers::board::Board;
-use crate::subscribers::job::{Job, image_of};
+use crate::subscribers::job::Job;
 use crate::subscribers::present::Present;
 
 /// Least real time between two pictures of a camera.
@@ -182,9 +183,9 @@ impl Cameras {
 
 /// Draws pictures until the world is gone.
 fn draw(waiting: &Receiver<Order>, pictures: &broadcast::Sender<Picture>, board: &Board) {
-    let mut stage = None;
+    let mut drawer = Drawer::default();
     while let Ok(Order { job, is_wanted, shown_in }) = waiting.recv() {
-        let Some(image) = image_of(&job, &mut stage) else { continue };
+        let Some(image) = job.draw(&mut drawer) else { continue };
         let png = if is_wanted { image.to_png().ok() } else { None };
         if let Some(world) = shown_in {
             board.show(world, (job.sensed.robot, job.sensed.sensor), image);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use picture::{Image, SENSOR_SIZE, Stage};
+use picture::{Drawer, Image, SENSOR_SIZE};
 use scene::{Sensed, Snapshot};
 use sim_core::{CompiledScene, World};
 
@@ -18,13 +18,9 @@ impl Job {
     pub(crate) fn new(world: &World, sensed: &Sensed, snapshot: Arc<Snapshot>) -> Self {
         Self { scene: world.scene().clone(), snapshot, sensed: sensed.clone() }
     }
-}
 
-/// Draws a picture. `prepared` keeps the scene for the next one.
-pub(crate) fn image_of(job: &Job, prepared: &mut Option<(CompiledScene, Stage)>) -> Option<Image> {
-    if prepared.as_ref().is_none_or(|(scene, _)| !std::ptr::eq(scene.def(), job.scene.def())) {
-        *prepared = Some((job.scene.clone(), Stage::new(job.scene.def())));
+    /// Draws the picture.
+    pub(crate) fn draw(&self, drawer: &mut Drawer<CompiledScene>) -> Option<Image> {
+        drawer.of_sensor(&self.scene, &self.snapshot, &self.sensed, SENSOR_SIZE)
     }
-    let (_, stage) = prepared.as_ref()?;
-    picture::of_sensor(stage, job.scene.def(), &job.snapshot, &job.sensed, SENSOR_SIZE)
 }

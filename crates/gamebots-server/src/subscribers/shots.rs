@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use picture::Drawer;
 use recorder::PictureTaken;
 use scene::{Reading, Sensed, Snapshot};
 use served_world::Told;
@@ -11,7 +12,7 @@ use sessions::News;
 use sim_core::World;
 use tracing::warn;
 
-use crate::subscribers::job::{Job, image_of};
+use crate::subscribers::job::Job;
 use crate::subscribers::subscriber::{Moment, Shot, Subscriber};
 
 /// Simulated time between what a picture in a log shows and its record, s.
@@ -83,9 +84,9 @@ fn start_shots() -> Option<(Sender<Job>, Receiver<Option<Shot>>)> {
     let ((jobs, waiting), (finished, done)) = (channel::<Job>(), channel());
     let thread = std::thread::Builder::new().name("shots".to_owned());
     let started = thread.spawn(move || {
-        let mut stage = None;
+        let mut drawer = Drawer::default();
         while let Ok(job) = waiting.recv() {
-            let png = image_of(&job, &mut stage).and_then(|image| image.to_png().ok());
+            let png = job.draw(&mut drawer).and_then(|image| image.to_png().ok());
             let shot = png.map(|png| {
                 let taken = PictureTaken::new(&job.sensed, job.snapshot.time, &png);
                 Shot { taken, png }
