@@ -3,11 +3,12 @@
 
 #![expect(missing_docs, reason = "the interfaces of ROS document their fields")]
 
-use byteorder::LittleEndian;
 use foxglove::{Encode, Schema};
 use prost::bytes::BufMut;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+
+use crate::cdr;
 
 /// `radiation_type` of a sonar (sensor_msgs/msg/Range).
 pub(crate) const ULTRASOUND: u8 = 0;
@@ -25,22 +26,6 @@ pub trait Message: Encode + Serialize + DeserializeOwned {
     fn dds_name() -> String {
         let (package, name) = Self::NAME.split_once('/').unwrap_or_default();
         format!("{package}::msg::dds_::{name}_")
-    }
-
-    /// Returns it as CDR, little endian, without the four bytes of the encapsulation.
-    ///
-    /// # Errors
-    /// When it does not fit into CDR: a text or a list is longer than 4 GiB.
-    fn to_cdr(&self) -> Result<Vec<u8>, cdr_encoding::Error> {
-        cdr_encoding::to_vec::<_, LittleEndian>(self)
-    }
-
-    /// Reads it from CDR, little endian, without the encapsulation.
-    ///
-    /// # Errors
-    /// When the bytes are no such message.
-    fn from_cdr(bytes: &[u8]) -> Result<Self, cdr_encoding::Error> {
-        cdr_encoding::from_bytes::<Self, LittleEndian>(bytes).map(|(message, _)| message)
     }
 }
 
@@ -114,7 +99,7 @@ macro_rules! interfaces {
         }
 
         impl Encode for $name {
-            type Error = cdr_encoding::Error;
+            type Error = cdr::Error;
 
             fn get_schema() -> Option<Schema> {
                 let name = Self::NAME.replace('/', "/msg/");
@@ -127,7 +112,7 @@ macro_rules! interfaces {
 
             fn encode(&self, buffer: &mut impl BufMut) -> Result<(), Self::Error> {
                 buffer.put_slice(&ENCAPSULATION);
-                buffer.put_slice(&self.to_cdr()?);
+                buffer.put_slice(&cdr::write(self)?);
                 Ok(())
             }
         }

@@ -3,6 +3,7 @@
 //! Frames are those of REP 103 and 105: x forward, y left, z up; `odom` is where a robot came into the world, and `base_link` is the robot
 //! frame. A robot's topics and frames are in its namespace. This crate has no sockets and no clock.
 
+pub mod cdr;
 mod controller;
 mod convert;
 mod description;

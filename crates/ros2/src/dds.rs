@@ -13,6 +13,7 @@ use std::net::Ipv4Addr;
 use std::time::Duration as Real;
 
 use futures_util::StreamExt;
+use ros2_topics::cdr;
 use rustdds::bytes::Bytes;
 use rustdds::dds::no_key::{DataReader, DataWriter};
 use rustdds::no_key::{Decode, DefaultDecoder, DeserializerAdapter, SerializerAdapter};
@@ -275,7 +276,7 @@ impl Node {
         let gid = self.participant.guid().to_bytes();
         let info = ParticipantEntitiesInfo { gid, node_entities_info_seq: vec![node] };
         // It has only numbers and texts, so it has an encoding.
-        if let Ok(bytes) = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(&info) {
+        if let Ok(bytes) = cdr::write(&info) {
             let _ = self.graph.write(Raw(bytes.into()), None);
         }
     }

@@ -1,6 +1,7 @@
 //! Requests and responses of services: std_srvs and simulation_interfaces, the standard of simulators. In version 2 of the latter a
 //! `Resource` holds two fields that version 1 has side by side. On the wire both are the same.
 
+use ros2_topics::cdr;
 use ros2_topics::interfaces::{Header, Pose, PoseStamped, Twist, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -164,7 +165,7 @@ pub(crate) trait Request: Sized {
 
 impl<T: serde::de::DeserializeOwned> Request for T {
     fn read(bytes: &[u8]) -> Option<Self> {
-        cdr_encoding::from_bytes::<Self, byteorder::LittleEndian>(bytes).map(|(request, _)| request).ok()
+        cdr::read(bytes).ok()
     }
 }
 
@@ -194,7 +195,7 @@ mod tests {
     use super::*;
 
     fn cdr(message: &impl Serialize) -> Vec<u8> {
-        cdr_encoding::to_vec::<_, byteorder::LittleEndian>(message).expect("CDR")
+        cdr::write(message).expect("CDR")
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver as Orders, SyncSender, TrySendError, sync_channel};
 use std::time::{Duration, Instant};
 
-use ros2_topics::{Message, Sink, is_latched};
+use ros2_topics::{Message, Sink, cdr, is_latched};
 use rustdds::SampleIdentity;
 use tokio::sync::mpsc::error::TryRecvError;
 use tokio::sync::mpsc::{Receiver, Sender, UnboundedReceiver, channel, unbounded_channel};
@@ -349,7 +349,7 @@ impl Sink for Node {
         if outgoing.subscribers <= 0 && outgoing.terms != Terms::Latched {
             return Ok(());
         }
-        match message.to_cdr() {
+        match cdr::write(message) {
             Ok(message) => {
                 if outgoing.terms == Terms::Latched {
                     outgoing.last = Some(message.clone());

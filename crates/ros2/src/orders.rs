@@ -9,7 +9,7 @@ use base_motion::{Base, Drive as Motion, Model};
 use gamebots_proto::Command;
 use gamebots_proto::command::{Drive, MultiDrive, Set};
 use kinematics::Twist;
-use ros2_topics::{Controller, Limit, Message, Space, interfaces as ros, name};
+use ros2_topics::{Controller, Limit, Space, cdr, interfaces as ros, name};
 use scene::{JointState, Material, PawnId, RobotDef, Steering};
 use served_world::{Entrance, Session};
 use tokio::sync::watch;
@@ -315,8 +315,8 @@ impl Complaints {
 async fn hear_velocities(mut incoming: Incoming, wanted: watch::Sender<Velocity>, topic: String) {
     let mut complaints = Complaints(topic, false);
     while let Some((_, bytes)) = incoming.recv().await {
-        let plain = ros::Twist::from_cdr(&bytes).ok().filter(|_| bytes.len() <= TWIST_BYTES);
-        let twist = plain.or_else(|| ros::TwistStamped::from_cdr(&bytes).ok().map(|stamped| stamped.twist));
+        let plain = cdr::read::<ros::Twist>(&bytes).ok().filter(|_| bytes.len() <= TWIST_BYTES);
+        let twist = plain.or_else(|| cdr::read::<ros::TwistStamped>(&bytes).ok().map(|stamped| stamped.twist));
         match twist.as_ref().and_then(Velocity::of) {
             Some(velocity) => _ = wanted.send(velocity),
             None => complaints.add(&format!("a velocity that is none, or beyond {FASTEST}")),
@@ -367,17 +367,18 @@ async fn drive(
 }
 
 fn of_trajectory(bytes: &[u8], joints: &Joints) -> Result<Trajectory, String> {
-    let message = ros::JointTrajectory::from_cdr(bytes).map_err(|error| error.to_string())?;
+    let message = cdr::read::<ros::JointTrajectory>(bytes).map_err(|error| error.to_string())?;
     Trajectory::of(message, joints)
 }
 
 fn of_states(bytes: &[u8], joints: &Joints) -> Result<Trajectory, String> {
-    let ros::JointState { name, position, .. } = ros::JointState::from_cdr(bytes).map_err(|error| error.to_string())?;
+    let ros::JointState { name, position, .. } =
+        cdr::read::<ros::JointState>(bytes).map_err(|error| error.to_string())?;
     at_once(name, position, joints)
 }
 
 fn of_array(bytes: &[u8], joints: &Joints) -> Result<Trajectory, String> {
-    let message = ros::Float64MultiArray::from_cdr(bytes).map_err(|error| error.to_string())?;
+    let message = cdr::read::<ros::Float64MultiArray>(bytes).map_err(|error| error.to_string())?;
     at_once(joints.order.clone(), message.data, joints)
 }
 
@@ -444,7 +445,7 @@ async fn follow(
 /// Closes and opens the robot's grippers.
 async fn grip(session: Session, pawn: PawnId, mut incoming: Incoming) {
     while let Some((_, bytes)) = incoming.recv().await {
-        let Ok(closes) = ros::Bool::from_cdr(&bytes) else { continue };
+        let Ok(closes) = cdr::read::<ros::Bool>(&bytes) else { continue };
         let opcode = if closes.data { "Close" } else { "Open" }.to_owned();
         let set = Set { type_name: "Gripper".to_owned(), opcode, ..Set::default() };
         if session.order_to(pawn, Command::Set(set)).await.is_err() {

@@ -3,7 +3,7 @@
 use std::io::{self, Read, Write};
 use std::net::Ipv4Addr;
 
-use byteorder::{BigEndian, LittleEndian, ReadBytesExt, WriteBytesExt};
+use ros2_topics::cdr;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -63,10 +63,10 @@ pub(crate) enum Event {
 /// # Errors
 /// When the pipe is closed.
 pub(crate) fn write<T: Serialize>(pipe: &mut impl Write, message: &T) -> io::Result<()> {
-    let bytes = cdr_encoding::to_vec::<_, LittleEndian>(message).map_err(io::Error::other)?;
+    let bytes = cdr::write(message).map_err(io::Error::other)?;
     let length = u32::try_from(bytes.len()).ok().filter(|length| *length <= MOST_BYTES);
     let length = length.ok_or_else(|| io::Error::other(format!("a message of {} bytes", bytes.len())))?;
-    pipe.write_u32::<BigEndian>(length)?;
+    pipe.write_all(&length.to_be_bytes())?;
     pipe.write_all(&bytes)
 }
 
@@ -75,13 +75,15 @@ pub(crate) fn write<T: Serialize>(pipe: &mut impl Write, message: &T) -> io::Res
 /// # Errors
 /// When the pipe is closed, or the bytes are no message.
 pub(crate) fn read<T: DeserializeOwned>(pipe: &mut impl Read) -> io::Result<T> {
-    let length = pipe.read_u32::<BigEndian>()?;
+    let mut length = [0; 4];
+    pipe.read_exact(&mut length)?;
+    let length = u32::from_be_bytes(length);
     if length > MOST_BYTES {
         return Err(io::Error::other(format!("a message of {length} bytes: expected at most {MOST_BYTES}")));
     }
     let mut bytes = Vec::new();
     pipe.take(u64::from(length)).read_to_end(&mut bytes)?;
-    cdr_encoding::from_bytes::<T, LittleEndian>(&bytes).map(|(message, _)| message).map_err(io::Error::other)
+    cdr::read(&bytes).map_err(io::Error::other)
 }
 
 #[cfg(test)]

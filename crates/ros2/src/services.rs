@@ -6,7 +6,7 @@ use std::time::Duration;
 use gamebots_proto::Command;
 use gamebots_proto::command::{self, Init, Move};
 use page_protocol::{Actor, Control};
-use ros2_topics::{from_pose, header, interfaces as ros, name, pose};
+use ros2_topics::{cdr, from_pose, header, interfaces as ros, name, pose};
 use scene::{PawnId, Snapshot};
 use serde::Serialize;
 use served_world::{Entrance, Health, Inquiry, Kind, Question, Session};
@@ -578,7 +578,7 @@ impl Offer<'_> {
                 // A request that cannot be read has no answer: its client waits as for a service that is not there.
                 let Some(request) = read(&bytes) else { continue };
                 let response = answer(&desk, request).await;
-                let Ok(message) = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(&response) else { continue };
+                let Ok(message) = cdr::write(&response) else { continue };
                 if replies.send(Order::Reply { number, to: from, message }).is_err() {
                     return;
                 }
