@@ -23,7 +23,7 @@ pub fn name(text: &str) -> String {
 }
 
 /// Converts a simulated time, s.
-pub fn stamp(time: f64) -> ros::Time {
+pub(crate) fn stamp(time: f64) -> ros::Time {
     let nanoseconds = (time * 1e9).round() as u64;
     ros::Time { sec: (nanoseconds / 1_000_000_000) as i32, nanosec: (nanoseconds % 1_000_000_000) as u32 }
 }
@@ -34,7 +34,7 @@ pub fn header(time: f64, frame: &str) -> ros::Header {
 }
 
 /// Converts a vector to z up.
-pub(crate) fn vector(vector: Vector3<f64>) -> ros::Vector3 {
+pub fn vector(vector: Vector3<f64>) -> ros::Vector3 {
     ros::Vector3 { x: vector.x, y: -vector.y, z: -vector.z }
 }
 

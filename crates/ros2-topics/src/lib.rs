@@ -18,7 +18,8 @@ use scene::sensor::{Config, kinect_depth};
 use scene::{JointKind, JointState, MapDef, Material, Pose, Reading, RobotDef, Sensed, Shape};
 
 pub use controller::{Controller, Limit, Wheels};
-pub use convert::{camera_info, from_pose, header, name, pose, stamp};
+use convert::stamp;
+pub use convert::{camera_info, from_pose, header, name, pose, vector};
 use interfaces as ros;
 pub use interfaces::Message;
 pub use names::{Namespaces, Space};
@@ -38,7 +39,7 @@ const GPS: u16 = 1;
 const SATELLITES: f64 = 4.0;
 /// `position_covariance_type` of variances that are known (sensor_msgs/msg/NavSatFix).
 const DIAGONAL_KNOWN: u8 = 2;
-/// `power_supply_status` of a battery in use, and `power_supply_technology` of one that is unknown (sensor_msgs/msg/BatteryState).
+/// `power_supply_status` of a battery in use (sensor_msgs/msg/BatteryState).
 const DISCHARGING: u8 = 2;
 
 /// A destination of messages.
@@ -110,7 +111,7 @@ impl Topics {
             spaces: Spaces::new(namespaces),
             is_localised,
             gravity: map.gravity,
-            floor: floor(map),
+            floor: floor_of(map),
             robots: BTreeMap::new(),
             clock: None,
             transforms: Vec::new(),
@@ -122,14 +123,14 @@ impl Topics {
         self.robots.contains_key(&robot)
     }
 
-    /// Returns the numbers of the known robots.
-    pub fn robots(&self) -> impl Iterator<Item = u64> {
-        self.robots.keys().copied()
+    /// Returns the material of the map's floor.
+    pub fn floor(&self) -> &Material {
+        &self.floor
     }
 
-    /// Returns the names of a robot, and its class.
-    pub fn robot(&self, robot: u64) -> Option<(&Space, &RobotDef)> {
-        self.robots.get(&robot).map(|robot| (&robot.space, &robot.def))
+    /// Returns the names of a robot.
+    pub fn space(&self, robot: u64) -> Option<&Space> {
+        self.robots.get(&robot).map(|robot| &robot.space)
     }
 
     /// Publishes the time.
@@ -175,33 +176,21 @@ impl Topics {
             Some(std::iter::once(mount).chain(optical))
         });
         let fixed = links.chain(mounts.flatten()).collect();
+        let description = ros::Text { data: description::urdf(def, &space) };
+        let topic = space.topic("robot_description");
         let def = def.clone();
         self.robots
             .insert(robot, Robot { space, def, controller, sensors, odometer: None, fixed, depths: BTreeMap::new() });
-        self.announce(time, robot, sink)
-    }
-
-    /// Publishes what does not change about a robot.
-    ///
-    /// # Errors
-    /// When the sink fails.
-    pub fn announce<S: Sink>(&self, time: f64, robot: u64, sink: &mut S) -> Result<(), S::Error> {
-        let Some(Robot { space, def, .. }) = self.robots.get(&robot) else { return Ok(()) };
-        self.publish_fixed(time, sink)?;
-        let description = ros::Text { data: description::urdf(def, space) };
-        sink.publish(time, &space.topic("robot_description"), &description)
-    }
-
-    /// Forgets a robot that has left. Returns its names.
-    pub fn leave(&mut self, robot: u64) -> Option<Space> {
-        self.spaces.leave(robot);
-        self.robots.remove(&robot).map(|robot| robot.space)
-    }
-
-    /// Publishes the transforms of all robots that do not change: whoever comes late gets the last message alone.
-    fn publish_fixed<S: Sink>(&self, time: f64, sink: &mut S) -> Result<(), S::Error> {
+        // Whoever comes late gets the last message alone, so it has the transforms of all robots.
         let transforms = self.robots.values().flat_map(|robot| robot.fixed.iter().cloned()).collect();
-        sink.publish(time, "/tf_static", &ros::TFMessage { transforms })
+        sink.publish(time, "/tf_static", &ros::TFMessage { transforms })?;
+        sink.publish(time, &topic, &description)
+    }
+
+    /// Forgets a robot that has left.
+    pub fn leave(&mut self, robot: u64) {
+        self.spaces.leave(robot);
+        self.robots.remove(&robot);
     }
 
     /// Publishes the state of a robot, but for its transforms, which wait. Nothing happens for a robot that has not come.
@@ -427,7 +416,7 @@ impl Topics {
 }
 
 /// Returns the material of a map's floor: that of its half space, or else of its first solid.
-pub fn floor(map: &MapDef) -> Material {
+fn floor_of(map: &MapDef) -> Material {
     let half_space = map.solids.iter().find(|solid| solid.shape == Shape::HalfSpace);
     half_space.or(map.solids.first()).map(|solid| solid.material.clone()).unwrap_or_default()
 }

@@ -48,15 +48,15 @@ const MOST_PICTURES_WAITING: i32 = 400;
 
 /// A message as bytes of CDR, little endian.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Raw(pub(crate) Bytes);
+struct Raw(Bytes);
 
 /// The encoding of [`Raw`]: none.
-pub(crate) struct Plain;
+struct Plain;
 
 /// A message that cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[error("a message in {0:?}: expected CDR, little endian")]
-pub(crate) struct Unreadable(RepresentationIdentifier);
+struct Unreadable(RepresentationIdentifier);
 
 impl SerializerAdapter<Raw> for Plain {
     type Error = Unreadable;
@@ -90,7 +90,7 @@ impl DefaultDecoder<Raw> for Plain {
 
 /// A decoder that keeps the bytes.
 #[derive(Clone)]
-pub(crate) struct Copying;
+struct Copying;
 
 impl Decode<'_, Raw> for Copying {
     type Error = Unreadable;

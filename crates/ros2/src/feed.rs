@@ -1,7 +1,6 @@
 //! The world's end of the node: what it tells of the world, without ever waiting.
 
 use std::collections::BTreeSet;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -12,6 +11,7 @@ use tokio::sync::mpsc::Sender;
 use tokio::sync::mpsc::error::TrySendError;
 
 use crate::cameras::View;
+use crate::clock::Clock;
 
 /// Simulated time between two times on `/clock`, s.
 const CLOCK_INTERVAL: f64 = 0.01;
@@ -68,8 +68,7 @@ pub struct Feed {
     items: Option<Sender<Item>>,
     thread: Option<JoinHandle<()>>,
     wanted: Wanted,
-    /// Simulated time, ns, for whoever asks between two items.
-    time: Arc<AtomicU64>,
+    time: Clock,
     /// Robots that the node knows.
     known: BTreeSet<PawnId>,
     /// True if the node does not know yet that the world started over.
@@ -106,7 +105,7 @@ impl Timer {
 }
 
 impl Feed {
-    pub(crate) fn new(items: Sender<Item>, thread: JoinHandle<()>, wanted: Wanted, time: Arc<AtomicU64>) -> Self {
+    pub(crate) fn new(items: Sender<Item>, thread: JoinHandle<()>, wanted: Wanted, time: Clock) -> Self {
         Self {
             items: Some(items),
             thread: Some(thread),
@@ -125,7 +124,7 @@ impl Feed {
     /// Tells of the world as it is after a step, as far as it is due at a real time. `snapshot` makes the snapshot of it.
     pub fn stepped(&mut self, world: &World, now: Instant, snapshot: impl FnOnce() -> Arc<Snapshot>) {
         let time = world.time();
-        self.time.store((time * 1e9) as u64, Ordering::Relaxed);
+        self.time.set(time);
         self.moved = Some(now);
         if !self.begins(world) {
             return;

@@ -9,6 +9,7 @@
 //! DDS has no password. By default only this machine is spoken to, whatever the server's own address is.
 
 mod cameras;
+mod clock;
 mod controller;
 mod dds;
 mod feed;
@@ -48,8 +49,6 @@ pub struct Options {
     pub is_localised: bool,
     /// Controllers whose numbers count for robots of a class, by its name.
     pub controllers: Vec<(String, Controller)>,
-    /// True if nodes may give orders to robots.
-    pub takes_orders: bool,
     /// True if nodes may control the world: pause, reset, spawn.
     pub may_control: bool,
     /// Maps that the world can change to, with a sentence about each.
@@ -66,7 +65,6 @@ impl Default for Options {
             namespaces: Namespaces::default(),
             is_localised: false,
             controllers: Vec::new(),
-            takes_orders: true,
             may_control: true,
             maps: Vec::new(),
         }
@@ -91,9 +89,9 @@ pub enum StartError {
 pub fn start(options: Options, unit: f64, entrance: Entrance) -> Result<Feed, StartError> {
     let node = node::Node::join(options.program.clone(), options.domain, options.address)?;
     let (items, received) = channel(feed::MOST_WAITING);
-    let (wanted, time) = (feed::Wanted::default(), orders::time());
-    let shared = thread::Shared { options, unit, entrance, wanted: wanted.clone(), time: time.clone() };
+    let (wanted, clock) = (feed::Wanted::default(), clock::Clock::default());
+    let shared = thread::Shared { options, unit, entrance, wanted: wanted.clone(), clock: clock.clone() };
     let thread =
         std::thread::Builder::new().name("ROS 2".to_owned()).spawn(move || thread::run(node, received, shared))?;
-    Ok(Feed::new(items, thread, wanted, time))
+    Ok(Feed::new(items, thread, wanted, clock))
 }

@@ -299,7 +299,9 @@ impl Node {
 
     fn hand_on(&self, number: u32, from: SampleIdentity, message: Vec<u8>) {
         // Whoever is flooded misses some.
-        self.readers.get(&number).into_iter().for_each(|reader| _ = reader.heard.try_send((from, message.clone())));
+        if let Some(reader) = self.readers.get(&number) {
+            let _ = reader.heard.try_send((from, message));
+        }
     }
 
     fn start_again(&mut self) {

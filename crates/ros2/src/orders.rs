@@ -1,7 +1,6 @@
 //! Orders of other nodes to a robot: velocities, joints, grippers. They become commands of the protocol, so that logs have them.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -17,6 +16,7 @@ use tokio::task::JoinHandle;
 use tokio::time::{Instant, timeout};
 use tracing::{info, warn};
 
+use crate::clock::Clock;
 use crate::node::{Incoming, Node};
 
 /// Time without an order after which a robot that drives is stopped, as ros2_control's controllers do, s. It has to pass by the simulated
@@ -33,24 +33,14 @@ const MOST_POINTS: usize = 10_000;
 /// Longest time of a trajectory, s.
 const LONGEST: f64 = 3600.0;
 
-/// Returns a clock at 0.
-pub(crate) fn time() -> Arc<AtomicU64> {
-    Arc::default()
-}
-
 /// Simulated time and what a robot's joints do now.
 #[derive(Clone)]
 pub(crate) struct Present {
-    /// ns.
-    pub(crate) time: Arc<AtomicU64>,
+    pub(crate) clock: Clock,
     pub(crate) joints: Arc<Mutex<Vec<JointState>>>,
 }
 
 impl Present {
-    fn seconds(&self) -> f64 {
-        self.time.load(Ordering::Relaxed) as f64 * 1e-9
-    }
-
     fn position(&self, joint: usize) -> Option<f64> {
         let joints = self.joints.lock().unwrap_or_else(PoisonError::into_inner);
         joints.get(joint).map(|joint| joint.position)
@@ -347,7 +337,7 @@ async fn drive(
             Ok(Err(_)) => return,
             Err(_) => false,
         };
-        let (real, time) = (Instant::now(), present.seconds());
+        let (real, time) = (Instant::now(), present.clock.time());
         if is_ordered {
             (goal, at, since) = (*wanted.borrow_and_update(), real, time);
         }
@@ -417,12 +407,12 @@ async fn follow(
 ) {
     while wanted.changed().await.is_ok() {
         let Some(trajectory) = wanted.borrow_and_update().clone() else { continue };
-        let (began, number) = (present.seconds(), |joint| joints.by_name.get(joint).map(|(number, _)| *number));
+        let (began, number) = (present.clock.time(), |joint| joints.by_name.get(joint).map(|(number, _)| *number));
         let now = |joint| number(joint).and_then(|number| present.position(number)).unwrap_or_default();
         let start: Vec<f64> = trajectory.joints.iter().map(now).collect();
         let mut last = None;
         while matches!(wanted.has_changed(), Ok(false)) {
-            let time = present.seconds() - began;
+            let time = present.clock.time() - began;
             // A time that goes back is that of a fresh world.
             let time = if time < 0.0 { trajectory.ends() } else { time };
             if last != Some(time) {

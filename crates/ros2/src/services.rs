@@ -6,8 +6,8 @@ use std::time::Duration;
 use gamebots_proto::Command;
 use gamebots_proto::command::{self, Init, Move};
 use page_protocol::{Actor, Control};
-use ros2_topics::{cdr, from_pose, header, interfaces as ros, name, pose};
-use scene::{PawnId, Snapshot};
+use ros2_topics::{cdr, from_pose, header, interfaces as ros, name, pose, vector};
+use scene::Snapshot;
 use serde::Serialize;
 use served_world::{Entrance, Health, Inquiry, Kind, Question, Session};
 use sim_core::CompiledScene;
@@ -43,8 +43,6 @@ pub(crate) struct Desk {
     /// Session of the robots that were spawned here, and of the controller that moves things; each opens when it is needed.
     spawner: Arc<tokio::sync::Mutex<Option<Session>>>,
     mover: Arc<tokio::sync::Mutex<Option<Session>>>,
-    /// Robots that were spawned here.
-    spawned: Arc<Mutex<Vec<PawnId>>>,
     latest: Latest,
     /// Maps that the world can change to, with a sentence about each.
     maps: Arc<[(String, String)]>,
@@ -66,7 +64,6 @@ impl Desk {
             entrance: entrance.clone(),
             spawner: Arc::default(),
             mover: Arc::default(),
-            spawned: Arc::default(),
             latest,
             maps,
         }
@@ -207,7 +204,6 @@ impl Desk {
         if with_spawned {
             // The session's robots leave with it.
             *self.spawner.lock().await = None;
-            self.spawned.lock().unwrap_or_else(PoisonError::into_inner).clear();
         }
         let reset = if with_world { self.reset().await } else { Ok(()) };
         srv::Done { result: outcome(reset) }
@@ -244,7 +240,6 @@ impl Desk {
         let robots = snapshot.robots.iter().map(|robot| {
             let own = robot.body.pose.rotation;
             let [linear, angular] = [robot.body.linear, robot.body.angular].map(|it| own.inverse() * it);
-            let upright = |it: nalgebra::Vector3<f64>| ros::Vector3 { x: it.x, y: -it.y, z: -it.z };
             Entity {
                 name: if robot.name.is_empty() { format!("robot_{}", robot.id.0) } else { robot.name.clone() },
                 robot: Some(robot.id.0),
@@ -253,7 +248,7 @@ impl Desk {
                 state: srv::EntityState {
                     header: header(snapshot.time, ros2_topics::MAP),
                     pose: pose(&robot.body.pose),
-                    twist: ros::Twist { linear: upright(linear), angular: upright(angular) },
+                    twist: ros::Twist { linear: vector(linear), angular: vector(angular) },
                     acceleration: srv::Accel::default(),
                 },
             }
@@ -433,10 +428,7 @@ impl Desk {
         };
         match session.order(Command::Init(init)).await {
             Ok(answer) => match answer.spawned {
-                Some(pawn) => {
-                    self.spawned.lock().unwrap_or_else(PoisonError::into_inner).push(pawn);
-                    srv::SpawnResult { result: srv::Result::ok(), entity_name: own }
-                }
+                Some(_) => srv::SpawnResult { result: srv::Result::ok(), entity_name: own },
                 None => {
                     let why: Vec<String> = answer.problems.iter().map(ToString::to_string).collect();
                     failed(code::OPERATION_FAILED, why.join("; "))

@@ -1,19 +1,22 @@
 //! The thread of the node: it publishes what the world tells, and keeps the tasks that listen.
 
-use std::collections::BTreeMap;
-use std::sync::atomic::AtomicU64;
+use std::collections::{BTreeMap, BTreeSet};
+use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use ros2_topics::{Sink, State, Topics, camera_info, floor, header, interfaces as ros};
-use scene::{JointState, MapDef, Material, ObjectId, Pose, RobotDef, RobotSnapshot, Snapshot};
+use ros2_topics::{Sink, State, Topics, camera_info, header, interfaces as ros};
+use scene::{JointState, MapDef, ObjectId, Pose, RobotDef, RobotSnapshot, Snapshot};
 use served_world::Entrance;
 use sim_core::CompiledScene;
 use tokio::sync::mpsc::{Receiver, unbounded_channel};
+use tokio::task::{JoinHandle, LocalSet};
+use tokio::time::MissedTickBehavior;
 use tracing::warn;
 
 use crate::Options;
 use crate::cameras::{Cameras, Drawn, SIZE};
+use crate::clock::Clock;
 use crate::feed::{Item, Status, Wanted};
 use crate::node::Node;
 use crate::orders::{self, Driver, Listening, Present};
@@ -26,6 +29,7 @@ const MOST_OBJECTS: usize = 256;
 /// Levels of diagnostics (diagnostic_msgs/msg/DiagnosticStatus).
 const OK: u8 = 0;
 const WARN: u8 = 1;
+
 /// Settings of the thread, and state that it shares with others.
 pub(crate) struct Shared {
     pub(crate) options: Options,
@@ -33,7 +37,7 @@ pub(crate) struct Shared {
     pub(crate) unit: f64,
     pub(crate) entrance: Entrance,
     pub(crate) wanted: Wanted,
-    pub(crate) time: Arc<AtomicU64>,
+    pub(crate) clock: Clock,
 }
 
 /// Runs the node until the world's end of the feed is gone.
@@ -42,14 +46,14 @@ pub(crate) fn run(node: Node, items: Receiver<Item>, shared: Shared) {
         Ok(runtime) => runtime,
         Err(error) => return warn!("ROS 2: {error}"),
     };
-    runtime.block_on(tokio::task::LocalSet::new().run_until(serve(node, items, shared)));
+    runtime.block_on(LocalSet::new().run_until(serve(node, items, shared)));
 }
 
 async fn serve(node: Node, mut items: Receiver<Item>, shared: Shared) {
     let (drawn, mut pictures) = unbounded_channel();
     let (replies, mut replied) = unbounded_channel();
     let mut look = tokio::time::interval(LOOK_INTERVAL);
-    look.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
+    look.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let mut bridge = Bridge::new(node, Cameras::new(drawn), shared, &replies);
     loop {
         tokio::select! {
@@ -71,7 +75,7 @@ async fn serve(node: Node, mut items: Receiver<Item>, shared: Shared) {
     // Tasks end first, then the process leaves its domain.
     let Bridge { node, robots, services, .. } = bridge;
     drop(robots);
-    services.iter().for_each(tokio::task::JoinHandle::abort);
+    services.iter().for_each(JoinHandle::abort);
     drop(node);
 }
 
@@ -79,8 +83,6 @@ async fn serve(node: Node, mut items: Receiver<Item>, shared: Shared) {
 struct Bridge {
     node: Node,
     topics: Topics,
-    /// Material of the floor.
-    floor: Material,
     cameras: Cameras,
     shared: Shared,
     robots: BTreeMap<u64, Robot>,
@@ -90,7 +92,7 @@ struct Bridge {
     scene: Option<CompiledScene>,
     latest: Latest,
     /// Tasks of the services.
-    services: Vec<tokio::task::JoinHandle<()>>,
+    services: Vec<JoinHandle<()>>,
     /// Simulated and real time of the last status, and the messages that had been left out.
     last: Option<(f64, Instant, u64)>,
 }
@@ -100,7 +102,7 @@ struct Robot {
     joints: Arc<Mutex<Vec<JointState>>>,
     /// The sensors that are cameras, with their topics.
     cameras: Vec<(usize, String)>,
-    _listening: Option<Listening>,
+    _listening: Listening,
 }
 
 impl Bridge {
@@ -110,14 +112,14 @@ impl Bridge {
         node.open::<ros::TFMessage>("/tf_static");
         node.open::<ros::DiagnosticArray>("/diagnostics");
         let topics = topics(&shared.options, &MapDef::default());
-        let (floor, robots, objects) = (Material::default(), BTreeMap::new(), BTreeMap::new());
+        let (robots, objects) = (BTreeMap::new(), BTreeMap::new());
         let (scene, latest, last) = (None, Latest::default(), None);
         let services = if shared.options.may_control {
             Desk::new(&shared.entrance, latest.clone(), shared.options.maps.clone().into()).open(&mut node, replies)
         } else {
             Vec::new()
         };
-        Self { node, topics, floor, cameras, shared, robots, objects, scene, latest, services, last }
+        Self { node, topics, cameras, shared, robots, objects, scene, latest, services, last }
     }
 
     fn take(&mut self, item: Item) {
@@ -126,7 +128,6 @@ impl Bridge {
                 let robots: Vec<u64> = self.robots.keys().copied().collect();
                 robots.into_iter().for_each(|robot| self.leave(robot));
                 self.topics = topics(&self.shared.options, &scene.def().map);
-                self.floor = floor(&scene.def().map);
                 self.scene = Some(scene);
                 self.objects.clear();
                 self.last = None;
@@ -150,18 +151,15 @@ impl Bridge {
     fn come(&mut self, robot: u64, name: &str, def: &RobotDef) {
         self.leave(robot);
         self.node.own(Some(robot));
-        let time = self.shared.time.load(std::sync::atomic::Ordering::Relaxed) as f64 * 1e-9;
-        // The transforms of all robots are the world's.
-        let controllers = &self.shared.options.controllers;
+        let Shared { options, unit, entrance, clock, .. } = &self.shared;
+        let controllers = &options.controllers;
         let controller = controllers.iter().find(|(class, _)| *class == def.class).map(|(_, controller)| controller);
-        done(self.topics.come(time, robot, name, def, controller.cloned(), &mut self.node));
-        let Some((space, _)) = self.topics.robot(robot) else { return };
+        done(self.topics.come(clock.time(), robot, name, def, controller.cloned(), &mut self.node));
+        let Some(space) = self.topics.space(robot) else { return };
         let joints = Arc::<Mutex<Vec<JointState>>>::default();
-        let present = Present { time: self.shared.time.clone(), joints: joints.clone() };
-        let Shared { options, unit, entrance, .. } = &self.shared;
-        let driver = Driver::of(def, &self.floor, controller, *unit);
-        let listening =
-            options.takes_orders.then(|| orders::listen(robot, def, space, driver, &mut self.node, entrance, &present));
+        let present = Present { clock: clock.clone(), joints: joints.clone() };
+        let driver = Driver::of(def, self.topics.floor(), controller, *unit);
+        let listening = orders::listen(robot, def, space, driver, &mut self.node, entrance, &present);
         let mut cameras = Vec::new();
         for sensor in 0..def.sensors.len() {
             if let Some([pictures, numbers, _]) = self.topics.camera(robot, sensor) {
@@ -252,7 +250,7 @@ impl Bridge {
 
     /// Notes the cameras whose pictures somebody subscribes to.
     fn look(&mut self) {
-        let mut wanted = std::collections::BTreeSet::new();
+        let mut wanted = BTreeSet::new();
         for (robot, Robot { cameras, .. }) in &self.robots {
             for (sensor, topic) in cameras {
                 if self.node.has_subscribers(topic) {
@@ -269,9 +267,6 @@ fn topics(options: &Options, map: &MapDef) -> Topics {
 }
 
 /// The node's sink does not fail.
-fn done(outcome: Result<(), std::convert::Infallible>) {
-    match outcome {
-        Ok(()) => {}
-        Err(never) => match never {},
-    }
+fn done(outcome: Result<(), Infallible>) {
+    let Ok(()) = outcome;
 }
