@@ -23,7 +23,7 @@ use rustdds::{
     QosPolicyBuilder, RTPSEntity, RepresentationIdentifier, StatusEvented, Subscriber, TopicKind, WriteOptionsBuilder,
 };
 use serde::Serialize;
-use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, channel, unbounded_channel};
+use tokio::sync::mpsc::{Sender, channel};
 use tokio::task::JoinHandle;
 
 use crate::pipe::{self, Event, Order, Terms};
@@ -32,6 +32,8 @@ use crate::pipe::{self, Event, Order, Terms};
 const MOST_MEMORY: u64 = 1 << 30;
 /// Orders of the server that wait.
 const MOST_ORDERS: usize = 256;
+/// Messages of others that wait for the pipe. Those on DDS's side wait for their readers, within the process's memory.
+const MOST_EVENTS: usize = 64;
 /// Time between two looks at who subscribes.
 const LOOK_INTERVAL: Real = Real::from_millis(20);
 /// Time for others to hear that readers and writers are gone, before the participant is.
@@ -193,7 +195,7 @@ impl Node {
     }
 
     /// Does what the server orders. What others say on new subscriptions goes to `events`.
-    fn take(&mut self, order: Order, events: &UnboundedSender<Event>) {
+    fn take(&mut self, order: Order, events: &Sender<Event>) {
         match order {
             Order::Join { .. } => {}
             Order::Open { number, topic, kind, terms } => {
@@ -240,8 +242,9 @@ impl Node {
         self.has_changed = true;
     }
 
-    /// Tells the server of subscribers that came or left, and of messages that found no room.
-    fn look(&mut self, told: &mut u64, events: &UnboundedSender<Event>) {
+    /// Returns news for the server: of subscribers that came or left, and of messages that found no room.
+    fn look(&mut self, told: &mut u64) -> Vec<Event> {
+        let mut news = Vec::new();
         for (number, Endpoint { writer, subscribers, .. }) in &mut self.open {
             let Some(writer) = writer else { continue };
             let before = *subscribers;
@@ -251,13 +254,13 @@ impl Node {
                 }
             }
             if *subscribers != before {
-                // The server may be gone.
-                let _ = events.send(Event::Subscribers { number: *number, count: *subscribers });
+                news.push(Event::Subscribers { number: *number, count: *subscribers });
             }
         }
         if std::mem::replace(told, self.refused) != self.refused {
-            let _ = events.send(Event::Refused(self.refused));
+            news.push(Event::Refused(self.refused));
         }
+        news
     }
 
     /// Tells others of the node and its topics, if they have changed.
@@ -285,7 +288,7 @@ impl Node {
 /// Hands on what a reader hears, each with its identity, until its task is aborted.
 fn hear(
     reader: DataReader<Raw, Plain>,
-    events: UnboundedSender<Event>,
+    events: Sender<Event>,
     event: impl Fn(rustdds::SampleIdentity, Vec<u8>) -> Event + 'static,
 ) -> JoinHandle<()> {
     let mut incoming = reader.async_sample_stream();
@@ -293,7 +296,7 @@ fn hear(
         while let Some(sample) = incoming.next().await {
             let Ok(sample) = sample else { continue };
             let from = sample.sample_info().sample_identity();
-            if events.send(event(from, sample.value().0.to_vec())).is_err() {
+            if events.send(event(from, sample.value().0.to_vec())).await.is_err() {
                 return;
             }
             tokio::task::yield_now().await;
@@ -325,7 +328,7 @@ pub fn run() -> std::io::Result<()> {
             Err(why) => return tell(&mut pipe, &Event::Joined(Err(why))),
         };
         tell(&mut pipe, &Event::Joined(Ok(())))?;
-        let (events, mut heard): (_, UnboundedReceiver<Event>) = unbounded_channel();
+        let (events, mut heard) = channel(MOST_EVENTS);
         let (mut looks, mut told) = (tokio::time::interval(LOOK_INTERVAL), 0);
         loop {
             tokio::select! {
@@ -335,7 +338,7 @@ pub fn run() -> std::io::Result<()> {
                 },
                 Some(event) = heard.recv() => tell(&mut pipe, &event)?,
                 _ = looks.tick() => {
-                    node.look(&mut told, &events);
+                    node.look(&mut told).iter().try_for_each(|event| tell(&mut pipe, event))?;
                     node.publish_graph();
                 }
             }

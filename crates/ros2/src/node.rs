@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use ros2_topics::{Message, Sink, cdr, is_latched};
 use rustdds::SampleIdentity;
 use tokio::sync::mpsc::error::TryRecvError;
-use tokio::sync::mpsc::{Receiver, Sender, UnboundedReceiver, channel, unbounded_channel};
+use tokio::sync::mpsc::{Receiver, Sender, channel};
 use tracing::{debug, warn};
 
 use crate::StartError;
@@ -19,6 +19,8 @@ use crate::pipe::{self, Event, Order, Terms};
 
 /// Orders to the process that wait. Further messages are left out; if it takes nothing for [`PATIENCE`], it is ended.
 const MOST_ORDERS: usize = 1024;
+/// Events of the process that wait. It waits for room, and so do those who flood it.
+const MOST_EVENTS: usize = 64;
 /// Messages of others on a topic that wait. Further ones are left out.
 const MOST_HEARD: usize = 64;
 /// Longest time without taking an order.
@@ -78,7 +80,7 @@ struct Reader {
 struct Process {
     child: Child,
     orders: SyncSender<Order>,
-    events: UnboundedReceiver<Event>,
+    events: Receiver<Event>,
     /// Time of the first order of those that it did not take.
     stuck_since: Option<Instant>,
     /// True if its end of the pipe is closed.
@@ -100,13 +102,13 @@ impl Process {
         let pipes = child.stdin.take().zip(child.stdout.take());
         let (stdin, stdout) = pipes.ok_or_else(|| failed("no pipes".to_owned()))?;
         let (orders, waiting) = sync_channel(MOST_ORDERS);
-        let (hear, mut events) = unbounded_channel();
+        let (hear, mut events) = channel(MOST_EVENTS);
         let thread = |name: &str| std::thread::Builder::new().name(name.to_owned());
         thread("ROS 2 orders").spawn(move || hand_over(stdin, &waiting))?;
         thread("ROS 2 events").spawn(move || {
             let mut pipe = BufReader::new(stdout);
             while let Ok(event) = pipe::read::<Event>(&mut pipe) {
-                if hear.send(event).is_err() {
+                if hear.blocking_send(event).is_err() {
                     return;
                 }
             }
