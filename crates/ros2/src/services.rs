@@ -10,6 +10,7 @@ use ros2_topics::{cdr, from_pose, header, interfaces as ros, name, pose, vector}
 use scene::Snapshot;
 use serde::Serialize;
 use served_world::{Entrance, Health, Inquiry, Kind, Question, Session};
+use sessions::Answer;
 use sim_core::CompiledScene;
 use tokio::sync::mpsc::UnboundedSender;
 use tokio::time::{Instant, sleep};
@@ -35,14 +36,17 @@ pub(crate) type Replies = UnboundedSender<Order>;
 /// The newest scene and snapshot.
 pub(crate) type Latest = Arc<Mutex<Option<(CompiledScene, Arc<Snapshot>)>>>;
 
+/// A session that opens when it is needed.
+type Slot = tokio::sync::Mutex<Option<Session>>;
+
 /// State that the services share.
 #[derive(Clone)]
 pub(crate) struct Desk {
     inquiry: Inquiry,
     entrance: Entrance,
     /// Session of the robots that were spawned here, and of the controller that moves things; each opens when it is needed.
-    spawner: Arc<tokio::sync::Mutex<Option<Session>>>,
-    mover: Arc<tokio::sync::Mutex<Option<Session>>>,
+    spawner: Arc<Slot>,
+    mover: Arc<Slot>,
     latest: Latest,
     /// Maps that the world can change to, with a sentence about each.
     maps: Arc<[(String, String)]>,
@@ -134,14 +138,14 @@ impl Desk {
         self.latest.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    async fn health(&self) -> Option<Health> {
-        self.inquiry.ask(Question::Health).await
+    async fn health(&self) -> Result<Health, String> {
+        self.inquiry.ask(Question::Health).await.ok_or_else(stops)
     }
 
     async fn control(&self, control: Control) -> Result<(), String> {
         let control = control.checked()?;
         let sent = self.inquiry.send(Question::Control(control, Actor("ROS 2".to_owned()))).await;
-        sent.ok_or_else(|| "the server stops".to_owned())
+        sent.ok_or_else(stops)
     }
 
     async fn trigger(&self, control: Control) -> srv::Triggered {
@@ -150,10 +154,9 @@ impl Desk {
 
     /// Waits until the world is as wanted.
     async fn wait(&self, is_done: impl Fn(&Health) -> bool) -> Result<(), String> {
-        let (start, mut steps) = (Instant::now(), 0);
-        let mut progress = start;
+        let (mut progress, mut steps) = (Instant::now(), 0);
         loop {
-            let health = self.health().await.ok_or("the server stops")?;
+            let health = self.health().await?;
             if is_done(&health) {
                 return Ok(());
             }
@@ -169,13 +172,13 @@ impl Desk {
 
     /// Steps, and returns when the world has.
     async fn step(&self, steps: u64) -> Result<(), String> {
-        let before = self.health().await.ok_or("the server stops")?.steps;
+        let before = self.health().await?.steps;
         self.control(Control::Step(u32::try_from(steps).unwrap_or(u32::MAX))).await?;
         self.wait(|health| health.steps >= before + steps).await
     }
 
     async fn step_paused(&self, steps: u64) -> srv::Done {
-        let is_paused = self.health().await.is_some_and(|health| health.paused);
+        let is_paused = self.health().await.is_ok_and(|health| health.paused);
         let result = if !is_paused {
             srv::Result::failed(code::INCORRECT_STATE, "the world is not paused: SetSimulationState pauses it")
         } else if !(1..=MOST_STEPS).contains(&steps) {
@@ -186,11 +189,29 @@ impl Desk {
         srv::Done { result }
     }
 
-    /// Resets, and returns when the world has.
-    async fn reset(&self) -> Result<(), String> {
-        let before = self.health().await.ok_or("the server stops")?.resets;
-        self.control(Control::Reset).await?;
+    /// Asks for a fresh world, and returns when it is there.
+    async fn restart(&self, control: Control) -> Result<(), String> {
+        let before = self.health().await?.resets;
+        self.control(control).await?;
         self.wait(|health| health.resets > before).await
+    }
+
+    async fn reset(&self) -> Result<(), String> {
+        self.restart(Control::Reset).await
+    }
+
+    /// Gives a command by a session of these services, which opens when it is needed, with an INIT if there is one.
+    async fn order(&self, slot: &Slot, init: Option<Init>, command: Command) -> Result<Answer, String> {
+        let mut slot = slot.lock().await;
+        if slot.is_none() {
+            let session = self.entrance.open_program("ROS 2 services").map_err(|_| stops())?;
+            if let Some(init) = init {
+                session.order(Command::Init(init)).await.map_err(|_| stops())?;
+            }
+            *slot = Some(session);
+        }
+        let session = slot.as_ref().ok_or_else(stops)?;
+        session.order(command).await.map_err(|_| stops())
     }
 
     async fn reset_scope(&self, asked: u8) -> srv::Done {
@@ -210,16 +231,17 @@ impl Desk {
     }
 
     async fn state(&self) -> srv::StateIs {
-        let Some(health) = self.health().await else {
-            let result = srv::Result::failed(code::OPERATION_FAILED, "the server stops");
-            return srv::StateIs { result, ..srv::StateIs::default() };
-        };
-        let state = if health.paused { state::PAUSED } else { state::PLAYING };
-        srv::StateIs { state: srv::SimulationState { state }, result: srv::Result::ok() }
+        match self.health().await {
+            Ok(Health { paused, .. }) => {
+                let state = if paused { state::PAUSED } else { state::PLAYING };
+                srv::StateIs { state: srv::SimulationState { state }, result: srv::Result::ok() }
+            }
+            Err(why) => srv::StateIs { result: outcome(Err(why)), ..srv::StateIs::default() },
+        }
     }
 
     async fn set_state(&self, wanted: u8) -> srv::Done {
-        let is_paused = self.health().await.is_some_and(|health| health.paused);
+        let is_paused = self.health().await.is_ok_and(|health| health.paused);
         let result = match wanted {
             state::PLAYING if !is_paused => srv::Result::failed(code::ALREADY_IN_TARGET_STATE, "it is playing"),
             state::PAUSED if is_paused => srv::Result::failed(code::ALREADY_IN_TARGET_STATE, "it is paused"),
@@ -306,50 +328,31 @@ impl Desk {
         (srv::Result::ok(), self.entities().into_iter().filter(is_meant).collect())
     }
 
-    /// Puts a robot, or an object that a world controller made here, at a pose.
     async fn set_entity_state(&self, wanted: srv::SetEntityState) -> srv::Done {
-        let done = |result| srv::Done { result };
+        srv::Done { result: self.put(wanted).await.err().unwrap_or_else(srv::Result::ok) }
+    }
+
+    /// Puts a robot, or an object that a world controller made here, at a pose.
+    async fn put(&self, wanted: srv::SetEntityState) -> Result<(), srv::Result> {
         let srv::SetEntityState { entity, state, set_pose, set_twist } = wanted;
-        let is_still = state.twist == ros::Twist::default();
-        if set_twist && !is_still {
-            return done(srv::Result::failed(
-                code::FEATURE_UNSUPPORTED,
-                "entities are put at rest: expected a twist of 0",
-            ));
+        if set_twist && state.twist != ros::Twist::default() {
+            let why = "entities are put at rest: expected a twist of 0";
+            return Err(srv::Result::failed(code::FEATURE_UNSUPPORTED, why));
         }
-        if let Err(result) = self.entity(&entity) {
-            return done(result);
-        }
+        self.entity(&entity)?;
         if !set_pose {
-            return done(srv::Result::ok());
+            return Ok(());
         }
-        let Some((location, rotation)) = placed(&state.header.frame_id, &state.pose) else {
-            return done(srv::Result::failed(code::INVALID_STATE_POSE, POSE_RULE));
-        };
+        let placed = placed(&state.header.frame_id, &state.pose);
+        let (location, rotation) = placed.ok_or_else(|| srv::Result::failed(code::INVALID_STATE_POSE, POSE_RULE))?;
+        let failed = |why: String| srv::Result::failed(code::OPERATION_FAILED, why);
         if self.latest().is_some_and(|(scene, _)| scene.def().league.is_some()) {
-            return done(srv::Result::failed(code::OPERATION_FAILED, "a league moves no robots"));
+            return Err(failed("a league moves no robots".to_owned()));
         }
-        let mut mover = self.mover.lock().await;
-        if mover.is_none() {
-            let init = Init { class_name: Init::CONTROLLER[0].to_owned(), name: "ROS 2".to_owned(), ..Init::default() };
-            let Ok(session) = self.entrance.open_program("ROS 2 services") else {
-                return done(srv::Result::failed(code::OPERATION_FAILED, "the server stops"));
-            };
-            if session.order(Command::Init(init)).await.is_ok() {
-                *mover = Some(session);
-            }
-        }
-        let Some(session) = mover.as_ref() else {
-            return done(srv::Result::failed(code::OPERATION_FAILED, "the server stops"));
-        };
-        let order = Move { name: entity, is_relative: false, location, rotation };
-        done(match session.order(Command::Control(command::Control::Move(order))).await {
-            Ok(answer) => match answer.problems.first() {
-                Some(problem) => srv::Result::failed(code::OPERATION_FAILED, problem.to_string()),
-                None => srv::Result::ok(),
-            },
-            Err(_) => srv::Result::failed(code::OPERATION_FAILED, "the server stops"),
-        })
+        let init = Init { class_name: Init::CONTROLLER[0].to_owned(), name: "ROS 2".to_owned(), ..Init::default() };
+        let order = command::Control::Move(Move { name: entity, is_relative: false, location, rotation });
+        let answer = self.order(&self.mover, Some(init), Command::Control(order)).await.map_err(failed)?;
+        answer.problems.first().map_or(Ok(()), |problem| Err(failed(problem.to_string())))
     }
 
     fn spawnables(&self) -> srv::Spawnables {
@@ -381,61 +384,56 @@ impl Desk {
     }
 
     async fn spawn(&self, wanted: srv::SpawnEntity) -> srv::SpawnResult {
-        let failed = |result, why: String| srv::SpawnResult {
-            result: srv::Result::failed(result, why),
-            entity_name: String::new(),
-        };
+        match self.come(wanted).await {
+            Ok(entity_name) => srv::SpawnResult { result: srv::Result::ok(), entity_name },
+            Err(result) => srv::SpawnResult { result, ..srv::SpawnResult::default() },
+        }
+    }
+
+    /// Spawns a robot. Returns its name.
+    async fn come(&self, wanted: srv::SpawnEntity) -> Result<String, srv::Result> {
+        let failed = |result, why: &str| Err(srv::Result::failed(result, why));
         let srv::SpawnEntity { name: called, allow_renaming, entity_resource, entity_namespace, initial_pose } = wanted;
         let srv::Resource { uri, resource_string } = entity_resource;
         if !resource_string.is_empty() {
             let why = "robots are spawned by the names of their classes: `serve --robot FILE.urdf` adds one";
-            return failed(code::UNSUPPORTED_FORMAT, why.to_owned());
+            return failed(code::UNSUPPORTED_FORMAT, why);
         }
         if uri.is_empty() {
-            return failed(
-                code::NO_RESOURCE,
-                "expected the name of a class as the URI: GetSpawnables lists them".to_owned(),
-            );
+            return failed(code::NO_RESOURCE, "expected the name of a class as the URI: GetSpawnables lists them");
         }
         if !(entity_namespace.is_empty() || entity_namespace.trim_start_matches('/') == name(&called)) {
             let why = format!("`{entity_namespace}`: a robot's namespace is its name");
-            return failed(code::NAMESPACE_INVALID, why);
+            return failed(code::NAMESPACE_INVALID, &why);
         }
-        let Some((location, rotation)) = placed(&initial_pose.header.frame_id, &initial_pose.pose) else {
-            return failed(code::INVALID_POSE, POSE_RULE.to_owned());
-        };
+        let placed = placed(&initial_pose.header.frame_id, &initial_pose.pose);
+        let (location, rotation) = placed.ok_or_else(|| srv::Result::failed(code::INVALID_POSE, POSE_RULE))?;
+        let name = self.free_name(called, &uri, allow_renaming)?;
+        let init = Init { class_name: uri, name: name.clone(), location, rotation, ..Init::default() };
+        let answer = self.order(&self.spawner, None, Command::Init(init)).await;
+        let answer = answer.map_err(|why| srv::Result::failed(code::OPERATION_FAILED, why))?;
+        if answer.spawned.is_some() {
+            return Ok(name);
+        }
+        let why: Vec<String> = answer.problems.iter().map(ToString::to_string).collect();
+        failed(code::OPERATION_FAILED, &why.join("; "))
+    }
+
+    /// Returns the name of a new robot of a class: its own, or, if it may be renamed, one that nobody has.
+    fn free_name(&self, called: String, class: &str, allow_renaming: bool) -> Result<String, srv::Result> {
         let taken: Vec<String> = self.entities().into_iter().map(|entity| entity.name).collect();
         let is_free = |name: &String| !name.is_empty() && !taken.contains(name);
-        let own = if called.is_empty() && allow_renaming { uri.clone() } else { called.clone() };
-        let own = if is_free(&own) {
-            own
-        } else if !allow_renaming {
-            let (result, why) = match called.as_str() {
-                "" => (code::NAME_INVALID, "expected a name, or allow_renaming".to_owned()),
-                _ => (code::NAME_NOT_UNIQUE, format!("`{called}` is taken")),
-            };
-            return failed(result, why);
-        } else {
-            (2..).map(|number: u32| format!("{own}_{number}")).find(is_free).unwrap_or_default()
-        };
-        let init = Init { class_name: uri, name: own.clone(), location, rotation, ..Init::default() };
-        let mut spawner = self.spawner.lock().await;
-        if spawner.is_none() {
-            *spawner = self.entrance.open_program("ROS 2 services").ok();
+        let own = if called.is_empty() && allow_renaming { class.to_owned() } else { called };
+        if is_free(&own) {
+            return Ok(own);
         }
-        let Some(session) = spawner.as_ref() else {
-            return failed(code::OPERATION_FAILED, "the server stops".to_owned());
-        };
-        match session.order(Command::Init(init)).await {
-            Ok(answer) => match answer.spawned {
-                Some(_) => srv::SpawnResult { result: srv::Result::ok(), entity_name: own },
-                None => {
-                    let why: Vec<String> = answer.problems.iter().map(ToString::to_string).collect();
-                    failed(code::OPERATION_FAILED, why.join("; "))
-                }
-            },
-            Err(_) => failed(code::OPERATION_FAILED, "the server stops".to_owned()),
+        if allow_renaming {
+            return Ok((2..).map(|number: u32| format!("{own}_{number}")).find(is_free).unwrap_or_default());
         }
+        Err(match own.as_str() {
+            "" => srv::Result::failed(code::NAME_INVALID, "expected a name, or allow_renaming"),
+            _ => srv::Result::failed(code::NAME_NOT_UNIQUE, format!("`{own}` is taken")),
+        })
     }
 
     async fn delete(&self, wanted: &str) -> srv::Done {
@@ -480,12 +478,7 @@ impl Desk {
             let names: Vec<&str> = self.maps.iter().map(|(name, _)| name.as_str()).collect();
             return failed(code::NOT_FOUND, format!("no map `{uri}`: expected {}", names.join(", ")));
         }
-        let loaded = async {
-            let before = self.health().await.ok_or("the server stops")?.resets;
-            self.control(Control::Map(uri.clone())).await?;
-            self.wait(|health| health.resets > before).await
-        };
-        match loaded.await {
+        match self.restart(Control::Map(uri.clone())).await {
             Ok(()) => {
                 let about = self.maps.iter().find(|(name, _)| *name == uri).map_or("", |(_, about)| about.as_str());
                 srv::World { result: srv::Result::ok(), world: world(&uri, about) }
@@ -513,6 +506,11 @@ fn world(name: &str, description: &str) -> srv::WorldResource {
         description: description.to_owned(),
         tags: Vec::new(),
     }
+}
+
+/// Returns the reason why nothing is done any longer.
+fn stops() -> String {
+    "the server stops".to_owned()
 }
 
 fn triggered(outcome: Result<(), String>) -> srv::Triggered {

@@ -329,11 +329,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     listeners.extend(beside(arguments.com_server, Service::ComServer, COM_SERVER_PORT));
     let threads = arguments.threads.map_or_else(ThreadPool::of_machine, |threads| ThreadPool::new(threads as usize));
     #[cfg(feature = "ros2")]
-    let guard = [(tokens.is_some(), "--token-file"), (world.league.is_some(), "--league")];
-    #[cfg(feature = "ros2")]
-    let guard = guard.into_iter().find(|(is_there, _)| *is_there).map(|(_, option)| option);
-    #[cfg(feature = "ros2")]
-    let ros2 = arguments.ros2.options(guard, &world.robots)?;
+    let ros2 = arguments.ros2.options(tokens.is_some(), &world)?;
     let config = Config {
         #[cfg(feature = "ros2")]
         ros2,

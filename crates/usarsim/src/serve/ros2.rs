@@ -6,7 +6,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 use ros2::{Controller, ControllerFile, LAST_DOMAIN, Namespaces, Options};
-use scene::Classes;
+use scene::{Classes, WorldDef};
 
 use crate::{Failure, exit};
 
@@ -54,13 +54,14 @@ enum Namespace {
 }
 
 impl Ros2Choice {
-    /// Returns the settings of the node; `None` without one. `guard` is the option that keeps clients apart, if there is one; `robots` has the classes. The
-    /// variables `ROS_AUTOMATIC_DISCOVERY_RANGE` and `ROS_LOCALHOST_ONLY` of ROS can only close it.
-    pub(crate) fn options(&self, guard: Option<&str>, robots: &Classes) -> Result<Option<Options>, Failure> {
+    /// Returns the settings of the node; `None` without one. `has_tokens` is true if clients need a token. The variables
+    /// `ROS_AUTOMATIC_DISCOVERY_RANGE` and `ROS_LOCALHOST_ONLY` of ROS can only close it.
+    pub(crate) fn options(&self, has_tokens: bool, world: &WorldDef) -> Result<Option<Options>, Failure> {
         if !self.ros2 {
             return Ok(None);
         }
-        if let Some(guard) = guard.filter(|_| !self.ros2_unguarded) {
+        let guards = [(has_tokens, "--token-file"), (world.league.is_some(), "--league")];
+        if let Some((_, guard)) = guards.iter().find(|(is_there, _)| *is_there && !self.ros2_unguarded) {
             let text = format!(
                 "--ros2 with {guard}: DDS has no password, so every program of this machine could see and drive every robot; \
                  --ros2-unguarded allows it"
@@ -88,7 +89,7 @@ impl Ros2Choice {
             Namespace::None => Namespaces::NoneForTheFirst,
         };
         let is_localised = self.ros2_localised;
-        let controllers = self.controllers(robots)?;
+        let controllers = self.controllers(&world.robots)?;
         let program =
             program().map_err(|error| Failure::new(exit::FAILURE, format!("ROS 2: this program: {error}")))?;
         Ok(Some(Options {
