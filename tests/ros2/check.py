@@ -24,15 +24,17 @@ ENVIRONMENT = {key: value for key, value in os.environ.items() if key not in ("L
 
 
 @contextlib.contextmanager
-def served(*arguments, ros2=True, log=None, stderr=None):
-    """A server on a free port; yields its port."""
-    command = [os.environ["USARSIM"], "serve", "--port", "0", "--json", "--no-http", *map(str, arguments)]
+def served(*arguments, ros2=True, page=False, log=None, stderr=None):
+    """A server on a free port; yields its port, or with a page all of them."""
+    command = [os.environ["USARSIM"], "serve", "--port", "0", "--json", *map(str, arguments)]
+    command += [] if page else ["--no-http"]
     command += ["--ros2"] if ros2 else []
     command += ["--log", log] if log else []
     server = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=stderr, text=True)
     SERVERS.append(server.pid)
     try:
-        yield json.loads(server.stdout.readline())["port"]
+        ports = json.loads(server.stdout.readline())
+        yield ports if page else ports["port"]
         assert server.poll() is None, "the server has ended"
         server.send_signal(signal.SIGTERM)
         assert server.wait(10) == 0
@@ -189,6 +191,16 @@ def joints():
     return f"half way at {got['half']:.2f} rad"
 
 
+def gripper():
+    """A gripper closes and opens."""
+    with served("--map", "rough") as port:
+        robot = Wire(port, "INIT {ClassName USARBot.YouBotArm} {Name Y} {Location 0,0,0}")
+        got = ask("kilted", "grip", "/Y")
+        assert all(a * b < 0 for a, b in zip(got["True"], got["False"])), got
+        del robot
+    return "closes and opens"
+
+
 CONTROLLER = """
 base_controller:
   ros__parameters:
@@ -342,6 +354,41 @@ def flood():
     return f"{sent} packets, pace {pace:.3f}, {memory / 1e6:.0f} MB"
 
 
+def flood_of_orders():
+    """Nodes that publish velocities and call services as fast as they can do not slow the world down, and a bystander hears all."""
+    with served("--map", "rough") as port:
+        robots = [Wire(port, f"INIT {{ClassName USARBot.P3AT}} {{Name R{number}}} {{Location {2 * number},0,0}}") for number in range(2)]
+        flooding = [peer(distribution, "flood", "/R0", 6) for distribution in DISTRIBUTIONS]
+        # Nodes take some seconds to begin.
+        before = robots[1].time
+        watching = peer("cyclone", "transforms", 6, "R1/lms200")
+        at = [robots[1].time, time.time()]
+        sent = [result(process) for process in flooding]
+        pace = (robots[1].time - at[0]) / (time.time() - at[1])
+        hung = result(watching)
+        assert pace > 0.95 and robots[1].time > before, pace
+        assert min(of["sent"] for of in sent) > 1000 and min(of["asked"] for of in sent) > 1000, sent
+        assert set(hung["steps"]) <= {"0.02", "0.04"}, hung
+        memory = max(int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1]) * 4096 for pid in robots[1].server)
+        assert memory < 300e6, memory
+        del robots
+    total = {key: sum(of[key] for of in sent) for key in ["sent", "asked"]}
+    return f"{total['sent']} velocities, {total['asked']} calls, pace {pace:.3f}, {memory / 1e6:.0f} MB"
+
+
+def rosbridge():
+    """A stock client of rosbridge sees a robot, drives it and pauses the world."""
+    with served("--map", "rough", "--rosbridge", "--http", "0", page=True, ros2=False) as ports:
+        robot = Wire(ports["port"], "INIT {ClassName USARBot.P3AT} {Name R1} {Location 0,0,0}")
+        python = ROOT / "target/ros2/rosbridge/bin/python"
+        client = subprocess.Popen([python, HERE / "roslib.py", str(ports["http"])], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT)
+        got = result(client)
+        assert got["topics"]["/R1/odom"] == "nav_msgs/msg/Odometry" and got["paused"]["success"], got
+        assert abs(got["speed"] - 0.5) < 0.01, got
+        del robot
+    return f"{len(got['topics'])} topics, {len(got['services'])} services"
+
+
 def wall_follower():
     """A few lines of rclpy drive round the arena, through its corridor."""
     with served("--map", "arena", "--rtf", "2") as port:
@@ -352,7 +399,7 @@ def wall_follower():
     return f"once round in {got['took']:.0f} s"
 
 
-CHECKS = [topics, orders, joints, controller, services, standard, comings_and_goings, closed, flood, wall_follower]
+CHECKS = [topics, orders, joints, gripper, controller, services, standard, comings_and_goings, closed, flood, flood_of_orders, rosbridge, wall_follower]
 
 
 def main():

@@ -13,7 +13,7 @@ from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Imu, JointState, LaserScan, NavSatFix, PointCloud2, Range
-from std_msgs.msg import Float64MultiArray, String
+from std_msgs.msg import Bool, Float64MultiArray, String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -160,6 +160,45 @@ def joints(space, joint, target):
     half = position()
     node.wait(lambda: abs(position() - float(target)) < 0.02)
     print(json.dumps({"start": start, "half": half, "end": position()}))
+
+
+def grip(space):
+    """Opens a gripper, which comes closed, and closes it."""
+    node = Node()
+    node.subscribe(f"{space}/joint_states")
+    publisher = node.node.create_publisher(Bool, f"{space}/gripper", 10)
+    node.wait(lambda: publisher.get_subscription_count() > 0 and f"{space}/joint_states" in node.last)
+
+    def fingers():
+        state = node.last[f"{space}/joint_states"]
+        return [position for name, position in zip(state.name, state.position) if "Finger" in name]
+
+    moved = {}
+    for closes in [False, True]:
+        before = fingers()
+        publisher.publish(Bool(data=closes))
+        node.wait(lambda: max(abs(a - b) for a, b in zip(before, fingers())) > 0.005)
+        node.spin(1.0)
+        moved[str(closes)] = [after - old for old, after in zip(before, fingers())]
+    print(json.dumps(moved))
+
+
+def flood(space, duration):
+    """Publishes velocities and calls a service as fast as it can."""
+    node = Node()
+    publisher = node.node.create_publisher(Twist, f"{space}/cmd_vel", 10)
+    client = node.node.create_client(Trigger, "/usarsim/resume")
+    node.wait(lambda: publisher.get_subscription_count() > 0 and client.service_is_ready())
+    twist, end, sent, asked = Twist(), time.time() + float(duration), 0, 0
+    while time.time() < end:
+        for _ in range(100):
+            twist.linear.x = 0.1 if sent % 2 else -0.1
+            publisher.publish(twist)
+            sent += 1
+            client.call_async(Trigger.Request())
+            asked += 1
+        rclpy.spin_once(node.node, timeout_sec=0)
+    print(json.dumps({"sent": sent, "asked": asked}))
 
 
 def services():

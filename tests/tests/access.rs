@@ -29,6 +29,7 @@ fn server(log: Option<&Path>) -> Server {
         config.tokens = Some(file().parse().expect("good tokens"));
         config.log = log.map(Path::to_owned);
         config.report_errors = true;
+        config.ros2 = Some(ros2::Options { rosbridge: true, ..ros2::Options::default() });
         let ut2004 = Service::Controllers { dialect: Some(Dialect::Ut2004) };
         let services = [Service::Page, Service::Foxglove, Service::Truth, Service::Positions, Service::Images];
         config
@@ -47,10 +48,11 @@ enum Entrance {
     PostScene,
     Live,
     Wire,
+    Rosbridge,
     Foxglove,
 }
 
-use Entrance::{Foxglove, Get, Live, Port, PostScene, Wire};
+use Entrance::{Foxglove, Get, Live, Port, PostScene, Rosbridge, Wire};
 
 impl Entrance {
     /// True if a client with a token gets an answer.
@@ -78,6 +80,10 @@ impl Entrance {
                 socket.send(Message::text(if login.is_empty() { "GETCLASSES\r\n" } else { &login })).expect("sent");
                 let Ok(Message::Binary(bytes)) = socket.read() else { return false };
                 bytes.starts_with(b"NFO {Gametype")
+            }
+            Rosbridge => {
+                let query = token.map(|token| format!("?token={token}")).unwrap_or_default();
+                tungstenite::connect(format!("ws://{}/rosbridge{query}", address(server, "page"))).is_ok()
             }
             Foxglove => {
                 let mut stream = connect(address(server, "foxglove"));
@@ -156,7 +162,7 @@ fn every_entrance_is_closed_without_the_right_token() {
     robot.send("INIT {ClassName USARBot.P3AT} {Name Rover} {Location 0,0,0}");
     robot.ground_truth();
     // Those who get in: without a token, with a wrong one, viewer, driver, referee.
-    let rows: [(Entrance, [bool; 5]); 18] = [
+    let rows: [(Entrance, [bool; 5]); 19] = [
         (Port("controllers", b"GETSTARTPOSES\r\n"), [false, false, false, true, true]),
         (Port("truth", b"\r\n"), [false, false, true, false, false]),
         (Port("positions", b"GETPOS\r\n"), [false, false, true, false, false]),
@@ -174,6 +180,7 @@ fn every_entrance_is_closed_without_the_right_token() {
         (Get("/health"), [true; 5]),
         (Live, [false, false, true, false, false]),
         (Wire, [false, false, false, true, true]),
+        (Rosbridge, [false, false, false, true, true]),
         (Foxglove, [false, false, true, false, false]),
     ];
     let tokens = [None, Some(WRONG), Some(VIEWER), Some(DRIVER), Some(REFEREE)];

@@ -37,6 +37,7 @@ mod programs;
 mod robots;
 mod robots_together;
 mod rollers;
+mod rosbridge;
 mod scenes;
 mod sensing;
 mod served;

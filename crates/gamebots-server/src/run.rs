@@ -76,6 +76,12 @@ pub(crate) async fn serve(
     let about = addresses.of(Service::Page).map(|_| about(&config, &addresses));
     let (live, channels) = live::broadcast(Instant::now(), &config.world, about, board.clone());
     let network = Network::new(entrance.clone(), door.access.clone(), &config.host, config.propagation, limits);
+    let world = match &config.saved {
+        Some(saved) => World::load(config.world.clone(), saved)?,
+        None => World::new(config.world.clone(), config.options),
+    };
+    let mut site = site(&config, &door, &addresses, limits, channels, entrance.clone());
+    let subscribers = subscribers(&config, &world, foxglove, &mut site)?;
     let server = Server {
         rules: Rules {
             dialect: None,
@@ -85,7 +91,7 @@ pub(crate) async fn serve(
             stall_timeout: config.stall_timeout,
             budgets: door.budgets.clone(),
         },
-        page: Page::new(Arc::new(site(&config, &door, &addresses, limits, channels, entrance.clone())), limits.pages),
+        page: Page::new(Arc::new(site), limits.pages),
         gate: gate.map(Arc::new),
         pictures: Pictures::new(board, config.image_kind, config.image_legacy),
         registry: Registry::new(network.clone(), limits.links, config.stall_timeout),
@@ -95,11 +101,6 @@ pub(crate) async fn serve(
         limits,
         door,
     };
-    let world = match &config.saved {
-        Some(saved) => World::load(config.world.clone(), saved)?,
-        None => World::new(config.world.clone(), config.options),
-    };
-    let subscribers = subscribers(&config, &world, foxglove, &server.entrance)?;
     let world = thread::spawn(config, world, server.door.budgets.clone(), events, live, subscribers, gone)?;
     let mut clients: Vec<(Service, JoinSet<()>)> =
         bound.iter().map(|(service, _)| (*service, JoinSet::new())).collect();
@@ -136,13 +137,12 @@ pub(crate) async fn serve(
     world.join().map_err(|_| ServeError::WorldStopped)?
 }
 
-/// Lists the subscribers of the world, beside its log and its viewers.
+/// Lists the subscribers of the world, beside its log and its viewers. The page leads to the node of ROS 2.
 fn subscribers(
     config: &Config,
     world: &World,
     foxglove: Option<FoxgloveServer>,
-    #[cfg_attr(not(feature = "ros2"), expect(unused_variables, reason = "programs get their entrance otherwise"))]
-    entrance: &Entrance,
+    #[cfg_attr(not(feature = "ros2"), expect(unused_variables, reason = "it leads to ROS 2 alone"))] site: &mut Site,
 ) -> Result<Vec<Box<dyn Subscriber>>, ServeError> {
     let mut list: Vec<Box<dyn Subscriber>> =
         vec![Box::new(Journal::of(world)), Box::new(Results::new(config.result.clone()))];
@@ -159,12 +159,15 @@ fn subscribers(
     if let Some(options) = &config.ros2 {
         let may_control = match config.world_control {
             WorldControl::Everyone => true,
-            WorldControl::Local => options.address.is_loopback(),
+            WorldControl::Local => options.dds.as_ref().is_none_or(|dds| dds.address.is_loopback()),
             WorldControl::Nobody => false,
         };
         let maps = config.maps.iter().map(|map| (map.name.clone(), map.description.clone())).collect();
         let options = ros2::Options { may_control, maps, ..options.clone() };
-        list.push(Box::new(ros2::start(options, world.options().speed_unit, entrance.clone())?));
+        let is_open = options.rosbridge;
+        let (feed, rosbridge) = ros2::start(options, world.options().speed_unit, site.entrance.clone())?;
+        site.rosbridge = Some(rosbridge).filter(|_| is_open);
+        list.push(Box::new(feed));
     }
     Ok(list)
 }
@@ -286,6 +289,8 @@ fn site(
         classes: ClassPages::new(&config.world.robots),
         pages: AtomicU64::new(0),
         framing: Framing::Nobody,
+        #[cfg(feature = "ros2")]
+        rosbridge: None,
     }
 }
 

@@ -23,7 +23,7 @@ pub fn name(text: &str) -> String {
 }
 
 /// Converts a simulated time, s.
-pub(crate) fn stamp(time: f64) -> ros::Time {
+pub fn stamp(time: f64) -> ros::Time {
     let nanoseconds = (time * 1e9).round() as u64;
     ros::Time { sec: (nanoseconds / 1_000_000_000) as i32, nanosec: (nanoseconds % 1_000_000_000) as u32 }
 }
@@ -170,7 +170,7 @@ pub(crate) fn cloud(header: ros::Header, points: impl Iterator<Item = [f64; 3]>)
         is_bigendian: false,
         point_step: POINT_BYTES,
         row_step: width * POINT_BYTES,
-        data,
+        data: ros::Bytes(data),
         is_dense: true,
     }
 }
@@ -211,7 +211,7 @@ pub(crate) fn depth(header: ros::Header, depths: &[f32], max_range: f64) -> ros:
         encoding: "32FC1".to_owned(),
         is_bigendian: 0,
         step: 4 * kinect_depth::COLUMNS,
-        data: depths.iter().flat_map(|depth| number(depth).to_le_bytes()).collect(),
+        data: ros::Bytes(depths.iter().flat_map(|depth| number(depth).to_le_bytes()).collect()),
     }
 }
 
@@ -307,9 +307,9 @@ mod tests {
         let [rows, columns] = config.counts();
         let ranges = vec![2.0; rows * columns];
         let cloud = cloud(header(0.0, "it"), hits(&config, &ranges).into_iter());
-        let number = |byte: usize| f32::from_le_bytes(cloud.data[byte..byte + 4].try_into().expect("four bytes"));
+        let number = |byte: usize| f32::from_le_bytes(cloud.data.0[byte..byte + 4].try_into().expect("four bytes"));
         // The first beam of the upper row is up and to the right.
-        assert_eq!((cloud.width as usize, cloud.data.len()), (rows * columns, 12 * rows * columns));
+        assert_eq!((cloud.width as usize, cloud.data.0.len()), (rows * columns, 12 * rows * columns));
         assert!(number(4) < 0.0 && number(8) > 0.0, "{} {}", number(4), number(8));
     }
 }

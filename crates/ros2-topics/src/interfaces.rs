@@ -3,10 +3,12 @@
 
 #![expect(missing_docs, reason = "the interfaces of ROS document their fields")]
 
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use foxglove::{Encode, Schema};
 use prost::bytes::BufMut;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::cdr;
 
@@ -76,9 +78,30 @@ impl<T: Interface> Spelled for T {
     }
 }
 
+/// Bytes of a picture or a cloud: `uint8[]`. In JSON they are base64, as rosbridge has them.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[serde(transparent)]
+pub struct Bytes(pub Vec<u8>);
+
+impl Serialize for Bytes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match serializer.is_human_readable() {
+            true => serializer.serialize_str(&BASE64_STANDARD.encode(&self.0)),
+            false => self.0.serialize(serializer),
+        }
+    }
+}
+
+impl Spelled for Bytes {
+    fn spelled() -> String {
+        Vec::<u8>::spelled()
+    }
+}
+
 macro_rules! interfaces {
     ($($ros:literal $name:ident { $($field:ident: $type:ty,)* })*) => {$(
         #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
         pub struct $name { $(pub $field: $type,)* }
 
         impl Interface for $name {
@@ -159,9 +182,9 @@ interfaces! {
         angular_velocity_covariance: [[f64; 3]; 3], linear_acceleration: Vector3,
         linear_acceleration_covariance: [[f64; 3]; 3],
     }
-    "sensor_msgs/CompressedImage" CompressedImage { header: Header, format: String, data: Vec<u8>, }
+    "sensor_msgs/CompressedImage" CompressedImage { header: Header, format: String, data: Bytes, }
     "sensor_msgs/Image" Image {
-        header: Header, height: u32, width: u32, encoding: String, is_bigendian: u8, step: u32, data: Vec<u8>,
+        header: Header, height: u32, width: u32, encoding: String, is_bigendian: u8, step: u32, data: Bytes,
     }
     "sensor_msgs/RegionOfInterest" RegionOfInterest { x_offset: u32, y_offset: u32, height: u32, width: u32, do_rectify: bool, }
     "sensor_msgs/CameraInfo" CameraInfo {
@@ -171,7 +194,7 @@ interfaces! {
     "sensor_msgs/PointField" PointField { name: String, offset: u32, datatype: u8, count: u32, }
     "sensor_msgs/PointCloud2" PointCloud2 {
         header: Header, height: u32, width: u32, fields: Vec<PointField>, is_bigendian: bool, point_step: u32,
-        row_step: u32, data: Vec<u8>, is_dense: bool,
+        row_step: u32, data: Bytes, is_dense: bool,
     }
     "sensor_msgs/NavSatStatus" NavSatStatus { status: i8, service: u16, }
     "sensor_msgs/NavSatFix" NavSatFix {

@@ -8,6 +8,7 @@ mod controller;
 mod convert;
 mod description;
 pub mod interfaces;
+pub mod json;
 mod names;
 mod odometer;
 
@@ -18,8 +19,7 @@ use scene::sensor::{Config, kinect_depth};
 use scene::{JointKind, JointState, MapDef, Material, Pose, Reading, RobotDef, Sensed, Shape};
 
 pub use controller::{Controller, Limit, Wheels};
-use convert::stamp;
-pub use convert::{camera_info, from_pose, header, name, pose, vector};
+pub use convert::{camera_info, from_pose, header, name, pose, stamp, vector};
 use interfaces as ros;
 pub use interfaces::Message;
 pub use names::{Namespaces, Space};

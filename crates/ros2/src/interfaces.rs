@@ -1,12 +1,15 @@
 //! Requests and responses of services: std_srvs and simulation_interfaces, the standard of simulators. In version 2 of the latter a
 //! `Resource` holds two fields that version 1 has side by side. On the wire both are the same.
 
-use ros2_topics::cdr;
 use ros2_topics::interfaces::{Header, Pose, PoseStamped, Twist, Vector3};
+use ros2_topics::{cdr, json};
 use serde::{Deserialize, Serialize};
+
+use crate::node::cdr_of;
 
 /// An empty request: one byte that C needs.
 #[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub(crate) struct Empty {
     structure_needs_at_least_one_member: u8,
 }
@@ -74,7 +77,8 @@ pub(crate) const FEATURES: [u16; 22] =
 pub(crate) const BOX: u8 = 1;
 
 /// `simulation_interfaces/TagsFilter`. Nothing has tags here.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub(crate) struct TagsFilter {
     pub(crate) tags: Vec<String>,
     #[serde(rename = "filter_mode")]
@@ -82,16 +86,17 @@ pub(crate) struct TagsFilter {
 }
 
 macro_rules! structs {
-    ($($name:ident { $($field:ident: $kind:ty,)* })*) => {$(
+    ($($name:ident { $($(#[$with:meta])* $field:ident: $kind:ty,)* })*) => {$(
         #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-        pub(crate) struct $name { $(pub(crate) $field: $kind,)* }
+        #[serde(default)]
+        pub(crate) struct $name { $($(#[$with])* pub(crate) $field: $kind,)* }
     )*};
 }
 
 structs! {
     Result { result: u8, error_message: String, }
     Resource { uri: String, resource_string: String, }
-    Bounds { kind: u8, points: Vec<Vector3>, }
+    Bounds { #[serde(rename = "type")] kind: u8, points: Vec<Vector3>, }
     EntityCategory { category: u8, }
     EntityInfo { category: EntityCategory, description: String, tags: Vec<String>, }
     Accel { linear: Vector3, angular: Vector3, }
@@ -105,7 +110,7 @@ structs! {
     }
     SpawnResult { result: Result, entity_name: String, }
     WorldResource { name: String, world_resource: Resource, description: String, tags: Vec<String>, }
-    Named { name: String, }
+    Named { entity: String, }
     Done { result: Result, }
     Features { features: SimulatorFeatures, }
     Spawnables { result: Result, spawnables: Vec<Spawnable>, }
@@ -129,7 +134,8 @@ structs! {
 }
 
 /// `simulation_interfaces/EntityFilters`.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub(crate) struct EntityFilters {
     pub(crate) filter: String,
     pub(crate) categories: Vec<EntityCategory>,
@@ -137,8 +143,16 @@ pub(crate) struct EntityFilters {
     pub(crate) bounds: Bounds,
 }
 
+/// Request of `simulation_interfaces/GetEntities` and `GetEntitiesStates`.
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Filters {
+    pub(crate) filters: EntityFilters,
+}
+
 /// Request of `simulation_interfaces/GetNamedPoses`.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub(crate) struct Tags {
     pub(crate) tags: TagsFilter,
 }
@@ -158,12 +172,12 @@ structs! {
 }
 
 /// A request that can be read.
-pub(crate) trait Request: Sized {
+pub(crate) trait Request: Serialize + serde::de::DeserializeOwned {
     /// Reads it from CDR, little endian; `None` if it is none.
     fn read(bytes: &[u8]) -> Option<Self>;
 }
 
-impl<T: serde::de::DeserializeOwned> Request for T {
+impl<T: Serialize + serde::de::DeserializeOwned> Request for T {
     fn read(bytes: &[u8]) -> Option<Self> {
         cdr::read(bytes).ok()
     }
@@ -177,6 +191,15 @@ impl SetEntityState {
         }
         let SetEntityState1 { entity, state } = SetEntityState1::read(bytes)?;
         Some(Self { entity, state, set_pose: true, set_twist: true })
+    }
+
+    /// Makes its CDR from JSON in either version: the second has switches.
+    pub(crate) fn of_json(text: &str) -> std::result::Result<Vec<u8>, String> {
+        match json::read::<serde_json::Value>(text).is_ok_and(|it| it.get("set_pose").or(it.get("set_twist")).is_some())
+        {
+            true => cdr_of::<SetEntityState2>(text),
+            false => cdr_of::<SetEntityState1>(text),
+        }
     }
 }
 

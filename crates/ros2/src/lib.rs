@@ -15,8 +15,10 @@ mod dds;
 mod feed;
 mod interfaces;
 mod node;
+mod operations;
 mod orders;
 mod pipe;
+mod rosbridge;
 mod services;
 mod thread;
 
@@ -30,19 +32,29 @@ pub use controller::ControllerFile;
 pub use dds::run as run_node;
 pub use feed::Feed;
 pub use ros2_topics::{Controller, Namespaces};
+pub use rosbridge::{LONGEST_TEXT, Listener, NodeEnded, Rosbridge, Speaker};
 
 /// Greatest domain whose ports exist on every system.
 pub const LAST_DOMAIN: u16 = 101;
 
-/// Settings of the node.
+/// Settings of DDS.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Options {
-    /// The program of the node's process, with its arguments: it calls [`run_node`].
+pub struct Dds {
+    /// The program of its process, with its arguments: it calls [`run_node`].
     pub program: Vec<OsString>,
     /// The domain (ROS_DOMAIN_ID), 0 to [`LAST_DOMAIN`].
     pub domain: u16,
     /// Address of this machine at which it speaks and listens. Anything but 127.0.0.1 lets other machines drive robots.
     pub address: Ipv4Addr,
+}
+
+/// Settings of the node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// DDS; `None` for clients of rosbridge alone.
+    pub dds: Option<Dds>,
+    /// True to let clients of rosbridge in, on the page's port.
+    pub rosbridge: bool,
     /// Namespaces of robots.
     pub namespaces: Namespaces,
     /// True to publish `map` to `odom` from the truth, as a perfect localisation would.
@@ -56,12 +68,11 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// Domain 0, this machine alone.
+    /// A node that nobody reaches.
     fn default() -> Self {
         Self {
-            program: Vec::new(),
-            domain: 0,
-            address: Ipv4Addr::LOCALHOST,
+            dds: None,
+            rosbridge: false,
             namespaces: Namespaces::default(),
             is_localised: false,
             controllers: Vec::new(),
@@ -82,16 +93,19 @@ pub enum StartError {
     Thread(#[from] std::io::Error),
 }
 
-/// Joins a domain, and starts the thread of the node. `unit` is one wheel-speed unit of the protocol, rad/s.
+/// Joins the domain of DDS, if there is one, and starts the thread of the node. `unit` is one wheel-speed unit of the protocol, rad/s.
+/// Returns the world's end, and the entrance of clients of rosbridge.
 ///
 /// # Errors
 /// When the domain cannot be joined.
-pub fn start(options: Options, unit: f64, entrance: Entrance) -> Result<Feed, StartError> {
-    let node = node::Node::join(options.program.clone(), options.domain, options.address)?;
-    let (items, received) = channel(feed::MOST_WAITING);
+pub fn start(options: Options, unit: f64, entrance: Entrance) -> Result<(Feed, Rosbridge), StartError> {
     let (wanted, clock) = (feed::Wanted::default(), clock::Clock::default());
+    let node = node::Node::join(options.dds.clone(), rosbridge::Hub::new(clock.clone()))?;
+    let (items, received) = channel(feed::MOST_WAITING);
+    let (rosbridge, said) = Rosbridge::new();
     let shared = thread::Shared { options, unit, entrance, wanted: wanted.clone(), clock: clock.clone() };
-    let thread =
-        std::thread::Builder::new().name("ROS 2".to_owned()).spawn(move || thread::run(node, received, shared))?;
-    Ok(Feed::new(items, thread, wanted, clock))
+    let thread = std::thread::Builder::new()
+        .name("ROS 2".to_owned())
+        .spawn(move || thread::run(node, received, said, shared))?;
+    Ok((Feed::new(items, thread, wanted, clock), rosbridge))
 }

@@ -1,21 +1,24 @@
-//! A node of ROS 2: topics by name. DDS is a process of its own, which this starts, tells, hears, and starts again if it ends.
+//! A node of ROS 2: topics by name. DDS is a process of its own, which this starts, tells, hears, and starts again if it ends. Clients of
+//! rosbridge share the topics.
 
 use std::collections::BTreeMap;
-use std::ffi::OsString;
 use std::io::{BufReader, BufWriter, Write};
-use std::net::Ipv4Addr;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver as Orders, SyncSender, TrySendError, sync_channel};
 use std::time::{Duration, Instant};
 
-use ros2_topics::{Message, Sink, cdr, is_latched};
+use ros2_topics::{Message, Sink, cdr, is_latched, json};
 use rustdds::SampleIdentity;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
 use tokio::sync::mpsc::error::TryRecvError;
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 use tracing::{debug, warn};
 
-use crate::StartError;
 use crate::pipe::{self, Event, Order, Terms};
+use crate::rosbridge::{Asking, Hub};
+use crate::{Dds, StartError};
 
 /// Orders to the process that wait. Further messages are left out; if it takes nothing for [`PATIENCE`], it is ended.
 const MOST_ORDERS: usize = 1024;
@@ -31,18 +34,35 @@ const LEAVE_TIME: Duration = Duration::from_secs(1);
 /// Time between two starts of the process.
 const REST: Duration = Duration::from_secs(1);
 
-/// Messages of others on one topic, each with its identity, which a reply names.
-pub(crate) type Incoming = Receiver<(SampleIdentity, Vec<u8>)>;
+/// Messages of others on one topic as CDR, each with its sender, whom a reply names.
+pub(crate) type Incoming = Receiver<(Caller, Vec<u8>)>;
+
+/// A sender of a message.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Caller {
+    /// A node, by the identity of its request.
+    Dds(SampleIdentity),
+    /// A client of rosbridge that asks a service.
+    Rosbridge(Asking),
+    /// Nobody who waits for a reply.
+    Nameless,
+}
+
+/// A reply of a service.
+pub(crate) enum Reply {
+    Dds(Order),
+    Rosbridge(Asking, Value),
+}
 
 /// Owner of topics: a robot by its number, or the world.
 pub(crate) type Owner = Option<u64>;
 
 /// A node. Its topics, subscriptions and services stay when its process is started again.
 pub(crate) struct Node {
-    program: Vec<OsString>,
-    domain: u16,
-    address: Ipv4Addr,
+    /// DDS, unless rosbridge is all.
+    dds: Option<Dds>,
     process: Option<Process>,
+    pub(crate) hub: Hub,
     /// Time of the last start.
     started: Instant,
     topics: BTreeMap<String, Outgoing>,
@@ -60,7 +80,11 @@ pub(crate) struct Node {
 /// A topic that it publishes.
 struct Outgoing {
     number: u32,
+    /// Its type, as in `geometry_msgs/Twist`, and that in DDS.
+    name: &'static str,
     kind: String,
+    /// Makes JSON from CDR.
+    json: fn(&[u8]) -> Option<Value>,
     terms: Terms,
     owner: Owner,
     /// Subscribers now.
@@ -72,8 +96,27 @@ struct Outgoing {
 /// A subscription, or a service.
 struct Reader {
     owner: Owner,
+    /// Topic or service.
+    name: String,
+    /// Its type, as in `geometry_msgs/Twist`.
+    kind: String,
+    is_service: bool,
+    /// Makes CDR from JSON.
+    cdr: ReadJson,
     order: Order,
-    heard: Sender<(SampleIdentity, Vec<u8>)>,
+    heard: Sender<(Caller, Vec<u8>)>,
+}
+
+/// A function that makes CDR from JSON, or says why it cannot.
+pub(crate) type ReadJson = fn(&str) -> Result<Vec<u8>, String>;
+
+/// Makes the CDR of a message from its JSON.
+///
+/// # Errors
+/// When it is no such message.
+pub(crate) fn cdr_of<T: Serialize + DeserializeOwned>(text: &str) -> Result<Vec<u8>, String> {
+    let message: T = json::read(text).map_err(|error| error.to_string())?;
+    cdr::write(&message).map_err(|error| error.to_string())
 }
 
 /// The process of DDS.
@@ -89,7 +132,8 @@ struct Process {
 
 impl Process {
     /// Starts the process and joins a domain.
-    fn start(program: &[OsString], domain: u16, address: Ipv4Addr) -> Result<Self, StartError> {
+    fn start(Dds { program, domain, address }: &Dds) -> Result<Self, StartError> {
+        let (domain, address) = (*domain, *address);
         let failed = |why: String| StartError::Join(why);
         let (first, rest) = program.split_first().ok_or_else(|| failed("no program for the node".to_owned()))?;
         let mut command = Command::new(first);
@@ -178,14 +222,16 @@ fn hand_over(stdin: ChildStdin, waiting: &Orders<Order>) {
 }
 
 impl Node {
-    /// Starts the process, a program with its arguments, and joins a domain on one address of this machine.
-    pub(crate) fn join(program: Vec<OsString>, domain: u16, address: Ipv4Addr) -> Result<Self, StartError> {
-        let process = Some(Process::start(&program, domain, address)?);
+    /// Its name.
+    pub(crate) const NAME: &str = "/usarsim";
+
+    /// Starts the process of DDS, if there shall be one, and joins its domain.
+    pub(crate) fn join(dds: Option<Dds>, hub: Hub) -> Result<Self, StartError> {
+        let process = dds.as_ref().map(Process::start).transpose()?;
         Ok(Self {
-            program,
-            domain,
-            address,
+            dds,
             process,
+            hub,
             started: Instant::now(),
             topics: BTreeMap::new(),
             readers: BTreeMap::new(),
@@ -203,7 +249,7 @@ impl Node {
 
     /// True if a topic has subscribers.
     pub(crate) fn has_subscribers(&self, topic: &str) -> bool {
-        self.topics.get(topic).is_some_and(|outgoing| outgoing.subscribers > 0)
+        self.hub.wants(topic) || self.topics.get(topic).is_some_and(|outgoing| outgoing.subscribers > 0)
     }
 
     /// Opens a topic without a message, so that others can subscribe to it.
@@ -217,29 +263,106 @@ impl Node {
             _ => Terms::Usual,
         };
         let (number, owner) = (self.number(), self.owner);
-        let outgoing = Outgoing { number, kind: T::dds_name(), terms, owner, subscribers: 0, last: None };
+        let json = |bytes: &[u8]| json::write(&cdr::read::<T>(bytes).ok()?).ok();
+        let (name, kind) = (T::NAME, T::dds_name());
+        let outgoing = Outgoing { number, name, kind, json, terms, owner, subscribers: 0, last: None };
         self.order(outgoing.order(topic));
         self.topics.insert(topic.to_owned(), outgoing);
     }
 
     /// Subscribes to a topic.
     pub(crate) fn listen<T: Message>(&mut self, topic: &str) -> Incoming {
-        let number = self.number();
-        self.hear(number, Order::Listen { number, topic: topic.to_owned(), kind: T::dds_name() })
-    }
-
-    /// Offers a service by its name and type, as in `std_srvs/Trigger`. Returns its requests and its number, for replies.
-    pub(crate) fn offer(&mut self, name: &str, kind: &str) -> (Incoming, u32) {
-        let number = self.number();
-        let order = Order::Offer { number, service: name.to_owned(), kind: kind.to_owned() };
-        (self.hear(number, order), number)
-    }
-
-    fn hear(&mut self, number: u32, order: Order) -> Incoming {
+        let (number, name, kind) = (self.number(), topic.to_owned(), T::NAME.to_owned());
+        let order = Order::Listen { number, topic: name.clone(), kind: T::dds_name() };
         let (heard, incoming) = channel(MOST_HEARD);
-        self.order(order.clone());
-        self.readers.insert(number, Reader { owner: self.owner, order, heard });
+        let owner = self.owner;
+        self.hear(number, Reader { owner, name, kind, is_service: false, cdr: cdr_of::<T>, order, heard });
         incoming
+    }
+
+    /// Offers a service by its name and type, as in `std_srvs/Trigger`. `cdr` reads the JSON of a request. Returns its requests and its number,
+    /// for replies.
+    pub(crate) fn offer(&mut self, name: String, kind: String, cdr: ReadJson) -> (Incoming, u32) {
+        let number = self.number();
+        let order = Order::Offer { number, service: name.clone(), kind: kind.clone() };
+        let (heard, incoming) = channel(MOST_HEARD);
+        let owner = self.owner;
+        self.hear(number, Reader { owner, name, kind, is_service: true, cdr, order, heard });
+        (incoming, number)
+    }
+
+    fn hear(&mut self, number: u32, reader: Reader) {
+        self.order(reader.order.clone());
+        self.readers.insert(number, reader);
+    }
+
+    /// Replies to whoever asked a service.
+    pub(crate) fn reply(&mut self, reply: Reply) {
+        match reply {
+            Reply::Dds(order) => self.order(order),
+            Reply::Rosbridge(asking, values) => self.hub.answer(asking, Ok(values)),
+        }
+    }
+
+    /// Lists the topics that it publishes, each with its type.
+    pub(crate) fn topics(&self) -> impl Iterator<Item = (&str, &str)> {
+        let topics = self.topics.iter().map(|(topic, outgoing)| (topic.as_str(), outgoing.name));
+        topics.chain(self.readers(false).map(|reader| (reader.name.as_str(), reader.kind.as_str())))
+    }
+
+    /// Lists the services that it offers, each with its type.
+    pub(crate) fn services(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.readers(true).map(|reader| (reader.name.as_str(), reader.kind.as_str()))
+    }
+
+    fn readers(&self, is_service: bool) -> impl Iterator<Item = &Reader> {
+        self.readers.values().filter(move |reader| reader.is_service == is_service)
+    }
+
+    /// Returns the type of a topic that it publishes.
+    pub(crate) fn kind(&self, topic: &str) -> Option<&'static str> {
+        self.topics.get(topic).map(|outgoing| outgoing.name)
+    }
+
+    /// Returns the JSON of the last message of a topic, if late subscribers get it.
+    pub(crate) fn latched(&self, topic: &str) -> Option<Value> {
+        let Outgoing { last, json, .. } = self.topics.get(topic)?;
+        json(last.as_ref()?)
+    }
+
+    /// Hears a message in JSON on a topic; without a type it is of the first that it fits.
+    ///
+    /// # Errors
+    /// When nobody listens to such messages.
+    pub(crate) fn hear_json(&self, topic: &str, kind: Option<&str>, message: &str) -> Result<(), String> {
+        let mut why = None;
+        for reader in self.readers(false).filter(|reader| reader.name == topic) {
+            if kind.is_some_and(|kind| kind != reader.kind) {
+                why.get_or_insert_with(|| format!("type {}: expected {}", kind.unwrap_or_default(), reader.kind));
+                continue;
+            }
+            match (reader.cdr)(message) {
+                // Whoever floods misses some.
+                Ok(message) => {
+                    let _ = reader.heard.try_send((Caller::Nameless, message));
+                    return Ok(());
+                }
+                Err(wrong) => _ = why.get_or_insert(wrong),
+            }
+        }
+        Err(why.unwrap_or_else(|| "no robot listens there".to_owned()))
+    }
+
+    /// Asks a service with arguments in JSON. The reply follows.
+    ///
+    /// # Errors
+    /// When there is no such service, the arguments are not its, or too many wait for it.
+    pub(crate) fn ask_json(&self, asking: &Asking, arguments: &str) -> Result<(), String> {
+        let reader = self.readers(true).find(|reader| reader.name == asking.service);
+        let reader = reader.ok_or_else(|| format!("no service {}: /rosapi/services lists them", asking.service))?;
+        let request = (reader.cdr)(arguments)?;
+        let sent = reader.heard.try_send((Caller::Rosbridge(asking.clone()), request));
+        sent.map_err(|_| "too many calls wait: try again".to_owned())
     }
 
     /// Closes everything of an owner.
@@ -253,7 +376,7 @@ impl Node {
 
     /// Returns the number of messages that found no room, because a subscriber did not take earlier ones.
     pub(crate) fn refused(&self) -> u64 {
-        self.refused.iter().sum()
+        self.refused.iter().sum::<u64>() + self.hub.refused
     }
 
     /// Waits for something that the process says. It says nothing more when it has ended.
@@ -283,6 +406,7 @@ impl Node {
         if self.process.is_none() && self.started.elapsed() > REST {
             self.start_again();
         }
+        self.hub.sweep();
     }
 
     /// Hands on what the process has said.
@@ -293,13 +417,13 @@ impl Node {
                 let outgoing = self.topics.values_mut().find(|outgoing| outgoing.number == number);
                 outgoing.into_iter().for_each(|outgoing| outgoing.subscribers = count);
             }
-            Event::Heard { number, message } => self.hand_on(number, SampleIdentity::default(), message),
-            Event::Asked { number, from, message } => self.hand_on(number, from, message),
+            Event::Heard { number, message } => self.hand_on(number, Caller::Nameless, message),
+            Event::Asked { number, from, message } => self.hand_on(number, Caller::Dds(from), message),
             Event::Refused(count) => self.refused[1] = count,
         }
     }
 
-    fn hand_on(&self, number: u32, from: SampleIdentity, message: Vec<u8>) {
+    fn hand_on(&self, number: u32, from: Caller, message: Vec<u8>) {
         // Whoever is flooded misses some.
         if let Some(reader) = self.readers.get(&number) {
             let _ = reader.heard.try_send((from, message));
@@ -307,9 +431,10 @@ impl Node {
     }
 
     fn start_again(&mut self) {
+        let Some(dds) = &self.dds else { return };
         self.started = Instant::now();
-        self.refused = [self.refused(), 0];
-        match Process::start(&self.program, self.domain, self.address) {
+        self.refused = [self.refused.iter().sum(), 0];
+        match Process::start(dds) {
             Ok(process) => self.process = Some(process),
             Err(error) => return debug!("{error}"),
         }
@@ -330,7 +455,10 @@ impl Node {
     }
 
     /// Gives the process an order, if it has room.
-    pub(crate) fn order(&mut self, order: Order) {
+    fn order(&mut self, order: Order) {
+        if self.dds.is_none() {
+            return;
+        }
         let is_taken = self.process.as_mut().is_some_and(|process| process.order(order));
         self.refused[0] += u64::from(!is_taken);
     }
@@ -349,6 +477,7 @@ impl Sink for Node {
     /// Publishes a message, if somebody subscribes to it or it is for late subscribers.
     fn publish<T: Message>(&mut self, _: f64, topic: &str, message: &T) -> Result<(), Self::Error> {
         self.open::<T>(topic);
+        self.hub.publish(topic, || json::write(message).ok());
         let Some(outgoing) = self.topics.get_mut(topic) else { return Ok(()) };
         if outgoing.subscribers <= 0 && outgoing.terms != Terms::Latched {
             return Ok(());

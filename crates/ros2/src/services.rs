@@ -6,7 +6,7 @@ use std::time::Duration;
 use gamebots_proto::Command;
 use gamebots_proto::command::{self, Init, Move};
 use page_protocol::{Actor, Control};
-use ros2_topics::{cdr, from_pose, header, interfaces as ros, name, pose, vector};
+use ros2_topics::{cdr, from_pose, header, interfaces as ros, json, name, pose, vector};
 use scene::Snapshot;
 use serde::Serialize;
 use served_world::{Entrance, Health, Inquiry, Kind, Question, Session};
@@ -16,13 +16,15 @@ use tokio::sync::mpsc::UnboundedSender;
 use tokio::time::{Instant, sleep};
 
 use crate::interfaces::{self as srv, Request, category, code, scope, state};
-use crate::node::Node;
+use crate::node::{Caller, Node, ReadJson, Reply, cdr_of};
 use crate::pipe::Order;
 
 /// Longest wait for a reset, and for each step, real time.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Time between two looks if the world has done what was asked.
 const TICK: Duration = Duration::from_millis(2);
+/// Longest time for news of the world, twice that of one that stands still.
+const NEWS: Duration = Duration::from_millis(400);
 /// Most steps of one call.
 const MOST_STEPS: u64 = 100_000;
 /// Most robots of one call.
@@ -31,7 +33,7 @@ const MOST_SPAWNED: usize = 256;
 const FILTER_BYTES: usize = 1 << 16;
 
 /// The way of replies to the node.
-pub(crate) type Replies = UnboundedSender<Order>;
+pub(crate) type Replies = UnboundedSender<Reply>;
 
 /// The newest scene and snapshot.
 pub(crate) type Latest = Arc<Mutex<Option<(CompiledScene, Arc<Snapshot>)>>>;
@@ -98,20 +100,20 @@ impl Desk {
         });
         offer.standard("StepSimulation", async |desk: &Desk, wanted: srv::Steps| desk.step_paused(wanted.steps).await);
         offer.standard("ResetSimulation", async |desk: &Desk, wanted: srv::Scope| desk.reset_scope(wanted.scope).await);
-        offer.standard("GetEntities", async |desk: &Desk, filters: srv::EntityFilters| {
+        offer.standard("GetEntities", async |desk: &Desk, srv::Filters { filters }: srv::Filters| {
             let (result, found) = desk.find(&filters);
             srv::Entities { result, entities: found.into_iter().map(|entity| entity.name).collect() }
         });
-        offer.standard("GetEntitiesStates", async |desk: &Desk, filters: srv::EntityFilters| {
+        offer.standard("GetEntitiesStates", async |desk: &Desk, srv::Filters { filters }: srv::Filters| {
             let (result, found) = desk.find(&filters);
             let (entities, states) = found.into_iter().map(|entity| (entity.name, entity.state)).unzip();
             srv::EntitiesStates { result, entities, states }
         });
-        offer.standard("GetEntityState", async |desk: &Desk, asked: srv::Named| match desk.entity(&asked.name) {
+        offer.standard("GetEntityState", async |desk: &Desk, asked: srv::Named| match desk.entity(&asked.entity) {
             Ok(entity) => srv::OneState { result: srv::Result::ok(), state: entity.state },
             Err(result) => srv::OneState { result, ..srv::OneState::default() },
         });
-        offer.standard("GetEntityInfo", async |desk: &Desk, asked: srv::Named| match desk.entity(&asked.name) {
+        offer.standard("GetEntityInfo", async |desk: &Desk, asked: srv::Named| match desk.entity(&asked.entity) {
             Ok(Entity { category, description, .. }) => {
                 let category = srv::EntityCategory { category };
                 let info = srv::EntityInfo { category, description, tags: Vec::new() };
@@ -123,7 +125,7 @@ impl Desk {
         offer.standard("GetSpawnables", async |desk: &Desk, _: srv::Sources| desk.spawnables());
         offer.standard("SpawnEntity", async |desk: &Desk, wanted: srv::SpawnEntity| desk.spawn(wanted).await);
         offer.standard("SpawnEntities", async |desk: &Desk, wanted: srv::SpawnRequests| desk.spawn_all(wanted).await);
-        offer.standard("DeleteEntity", async |desk: &Desk, asked: srv::Named| desk.delete(&asked.name).await);
+        offer.standard("DeleteEntity", async |desk: &Desk, asked: srv::Named| desk.delete(&asked.entity).await);
         offer.standard("GetNamedPoses", async |desk: &Desk, asked: srv::Tags| desk.named_poses(&asked));
         offer.standard("GetCurrentWorld", async |desk: &Desk, _: srv::Empty| desk.current_world());
         offer.standard("GetAvailableWorlds", async |desk: &Desk, _: srv::Sources| srv::Worlds {
@@ -413,6 +415,7 @@ impl Desk {
         let answer = self.order(&self.spawner, None, Command::Init(init)).await;
         let answer = answer.map_err(|why| srv::Result::failed(code::OPERATION_FAILED, why))?;
         if answer.spawned.is_some() {
+            self.wait_for(|| self.entity(&name).is_ok()).await;
             return Ok(name);
         }
         let why: Vec<String> = answer.problems.iter().map(ToString::to_string).collect();
@@ -436,9 +439,23 @@ impl Desk {
         })
     }
 
+    /// Waits a little until it is known here what the world has done, so that the next question finds it.
+    async fn wait_for(&self, is_known: impl Fn() -> bool) {
+        let end = Instant::now() + NEWS;
+        while !is_known() && Instant::now() < end {
+            sleep(TICK).await;
+        }
+    }
+
     async fn delete(&self, wanted: &str) -> srv::Done {
         let result = match self.entity(wanted) {
-            Ok(Entity { robot: Some(robot), .. }) => outcome(self.control(Control::Remove(robot)).await),
+            Ok(Entity { robot: Some(robot), .. }) => {
+                let removed = self.control(Control::Remove(robot)).await;
+                if removed.is_ok() {
+                    self.wait_for(|| self.entity(wanted).is_err()).await;
+                }
+                outcome(removed)
+            }
             Ok(_) => srv::Result::failed(code::OPERATION_FAILED, "the map has it: only robots can be deleted"),
             Err(result) => result,
         };
@@ -521,6 +538,9 @@ fn outcome(outcome: Result<(), String>) -> srv::Result {
     outcome.map_or_else(|why| srv::Result::failed(code::OPERATION_FAILED, why), |()| srv::Result::ok())
 }
 
+/// A function that reads a request; `None` if the bytes are none.
+type ReadCdr<Q> = fn(&[u8]) -> Option<Q>;
+
 /// Services that are being offered.
 struct Offer<'a> {
     node: &'a mut Node,
@@ -545,31 +565,40 @@ impl Offer<'_> {
         kind: &str,
         answer: impl AsyncFn(&Desk, Q) -> R + 'static,
     ) {
-        self.add_read(called, kind, Q::read, answer);
+        self.add_read(called, kind, (Q::read, cdr_of::<Q>), answer);
     }
 
     /// Offers SetEntityState, which has two versions.
     fn set_entity_state(&mut self) {
         let answer = async |desk: &Desk, wanted: srv::SetEntityState| desk.set_entity_state(wanted).await;
-        self.add_read("set_entity_state", "simulation_interfaces/SetEntityState", srv::SetEntityState::read, answer);
+        let read = (srv::SetEntityState::read as ReadCdr<_>, srv::SetEntityState::of_json as ReadJson);
+        self.add_read("set_entity_state", "simulation_interfaces/SetEntityState", read, answer);
     }
 
+    /// Offers a service whose requests are read from CDR, and made into CDR from JSON.
     fn add_read<Q: 'static, R: Serialize + 'static>(
         &mut self,
         called: &str,
         kind: &str,
-        read: fn(&[u8]) -> Option<Q>,
+        (read, of_json): (ReadCdr<Q>, ReadJson),
         answer: impl AsyncFn(&Desk, Q) -> R + 'static,
     ) {
-        let (mut requests, number) = self.node.offer(&format!("/usarsim/{called}"), kind);
+        let (mut requests, number) = self.node.offer(format!("/usarsim/{called}"), kind.to_owned(), of_json);
         let (desk, replies) = (self.desk.clone(), self.replies.clone());
         self.tasks.push(tokio::task::spawn_local(async move {
             while let Some((from, bytes)) = requests.recv().await {
                 // A request that cannot be read has no answer: its client waits as for a service that is not there.
                 let Some(request) = read(&bytes) else { continue };
                 let response = answer(&desk, request).await;
-                let Ok(message) = cdr::write(&response) else { continue };
-                if replies.send(Order::Reply { number, to: from, message }).is_err() {
+                let reply = match from {
+                    Caller::Dds(to) => {
+                        let message = cdr::write(&response).ok();
+                        message.map(|message| Reply::Dds(Order::Reply { number, to, message }))
+                    }
+                    Caller::Rosbridge(asking) => json::write(&response).ok().map(|it| Reply::Rosbridge(asking, it)),
+                    Caller::Nameless => None,
+                };
+                if reply.is_some_and(|reply| replies.send(reply).is_err()) {
                     return;
                 }
             }

@@ -14,13 +14,14 @@ use tokio::task::{JoinHandle, LocalSet};
 use tokio::time::MissedTickBehavior;
 use tracing::warn;
 
-use crate::Options;
 use crate::cameras::{Cameras, Drawn, SIZE};
 use crate::clock::Clock;
 use crate::feed::{Item, Status, Wanted};
 use crate::node::Node;
 use crate::orders::{self, Driver, Listening, Present};
+use crate::rosbridge::Said;
 use crate::services::{Desk, Latest, Replies};
+use crate::{Options, operations};
 
 /// Real time between two looks at which cameras somebody wants.
 const LOOK_INTERVAL: Duration = Duration::from_millis(200);
@@ -41,15 +42,15 @@ pub(crate) struct Shared {
 }
 
 /// Runs the node until the world's end of the feed is gone.
-pub(crate) fn run(node: Node, items: Receiver<Item>, shared: Shared) {
+pub(crate) fn run(node: Node, items: Receiver<Item>, said: Receiver<Said>, shared: Shared) {
     let runtime = match tokio::runtime::Builder::new_current_thread().enable_time().build() {
         Ok(runtime) => runtime,
         Err(error) => return warn!("ROS 2: {error}"),
     };
-    runtime.block_on(LocalSet::new().run_until(serve(node, items, shared)));
+    runtime.block_on(LocalSet::new().run_until(serve(node, items, said, shared)));
 }
 
-async fn serve(node: Node, mut items: Receiver<Item>, shared: Shared) {
+async fn serve(node: Node, mut items: Receiver<Item>, mut said: Receiver<Said>, shared: Shared) {
     let (drawn, mut pictures) = unbounded_channel();
     let (replies, mut replied) = unbounded_channel();
     let mut look = tokio::time::interval(LOOK_INTERVAL);
@@ -63,7 +64,8 @@ async fn serve(node: Node, mut items: Receiver<Item>, shared: Shared) {
                 None => break,
             },
             event = bridge.node.heard() => bridge.node.take(event),
-            Some(reply) = replied.recv() => bridge.node.order(reply),
+            Some(reply) = replied.recv() => bridge.node.reply(reply),
+            Some(said) = said.recv() => operations::take(&mut bridge.node, said),
             Some(picture) = pictures.recv() => bridge.show(picture),
             _ = look.tick() => {
                 bridge.look();
@@ -244,7 +246,8 @@ impl Bridge {
         self.node.own(Some(robot));
         let info = camera_info(header(time, &frame), SIZE.map(|size| size as u32), angle);
         done(self.node.publish(time, &numbers, &info));
-        let message = ros::CompressedImage { header: header(time, &frame), format: "jpeg".to_owned(), data: jpeg };
+        let message =
+            ros::CompressedImage { header: header(time, &frame), format: "jpeg".to_owned(), data: ros::Bytes(jpeg) };
         done(self.node.publish(time, &pictures, &message));
     }
 

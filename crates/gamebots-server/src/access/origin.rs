@@ -6,12 +6,35 @@
 use std::net::IpAddr;
 
 use axum::http::uri::Authority;
-use axum::http::{HeaderMap, header};
+use axum::http::{HeaderMap, Uri, header};
 
 /// Returns the token of a request, if it has one.
 pub(crate) fn bearer(headers: &HeaderMap) -> Option<&str> {
     let (scheme, token) = headers.get(header::AUTHORIZATION)?.to_str().ok()?.split_once(' ')?;
     scheme.eq_ignore_ascii_case("Bearer").then(|| token.trim())
+}
+
+/// Returns the token of a request: in its address, as in `/rosbridge?token=..`, or in a header.
+pub(crate) fn token<'a>(address: &'a str, headers: &'a HeaderMap) -> Option<&'a str> {
+    let query = address.split_once('?').map_or("", |(_, query)| query);
+    query.split('&').find_map(|pair| pair.strip_prefix("token=")).or_else(|| bearer(headers))
+}
+
+/// True for pages that this machine serves, and programs that are not a page of a site.
+pub(crate) fn is_local(origin: &str) -> bool {
+    let Ok(uri) = origin.parse::<Uri>() else { return false };
+    let host = uri.host().unwrap_or_default();
+    // The parser takes anything after a colon for a port.
+    let port = uri.port_u16().map(|port| format!(":{port}")).unwrap_or_default();
+    if uri.authority().is_some_and(|authority| authority.as_str() != format!("{host}{port}")) {
+        return false;
+    }
+    let host = host.trim_matches(['[', ']']);
+    match uri.scheme_str() {
+        Some("http" | "https") => host == "localhost" || host.parse::<IpAddr>().is_ok_and(|ip| ip.is_loopback()),
+        // A page that hides its origin sends `null`.
+        scheme => scheme.is_some(),
+    }
 }
 
 /// Checks that a request is meant for this server, and comes from its own page or from a welcome origin.

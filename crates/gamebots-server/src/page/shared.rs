@@ -54,6 +54,9 @@ pub(crate) struct Site {
     /// Number of pages opened so far; it numbers the pages.
     pub(crate) pages: AtomicU64,
     pub(crate) framing: Framing,
+    /// The entrance of clients of rosbridge.
+    #[cfg(feature = "ros2")]
+    pub(crate) rosbridge: Option<ros2::Rosbridge>,
 }
 
 /// A connection's stay: in the waiting room until it has shown that it may come in, then in one of the page's places. It is held while the

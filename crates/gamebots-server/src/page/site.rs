@@ -1,5 +1,5 @@
-//! The page: static files, the scene of the world or of a log and classes of robots as JSON, and two WebSockets. One shows the world; the other leads
-//! to the protocol's own port.
+//! The page: static files, the scene of the world or of a log and classes of robots as JSON, and WebSockets. One shows the world; one leads
+//! to the protocol's own port; one is of rosbridge.
 //!
 //! Requests of foreign pages are refused ([`crate::access::origin`]). No CORS header is ever sent, and the page cannot be framed.
 
@@ -20,7 +20,7 @@ use tokio::sync::Semaphore;
 use tokio_io_timeout::TimeoutStream;
 use tracing::debug;
 
-use crate::access::origin::{bearer, check};
+use crate::access::origin::{bearer, check, is_local};
 use crate::access::tokens::Role;
 use crate::access::waiting_room::Visitor;
 use crate::page::packed::json;
@@ -48,7 +48,12 @@ impl Page {
             .route("/league.json", get(league))
             .route_layer(for_viewers.clone())
             .route("/live", get(viewer::upgrade))
-            .route("/wire", get(wire::upgrade))
+            .route("/wire", get(wire::upgrade));
+        #[cfg(feature = "ros2")]
+        let router = router
+            .route("/", get(crate::page::rosbridge::root))
+            .route("/rosbridge", get(crate::page::rosbridge::upgrade));
+        let router = router
             .fallback(file::file)
             .layer(middleware::from_fn_with_state(site.clone(), guard))
             .layer(Extension(log_scene::Worker::default()))
@@ -129,14 +134,19 @@ fn too_many() -> Response {
     (StatusCode::SERVICE_UNAVAILABLE, [(header::RETRY_AFTER, "5")], text).into_response()
 }
 
-/// Refuses foreign pages, and tells the browser to restrict this page to what it needs.
+/// Refuses foreign pages, but lets those of this machine talk by rosbridge, and tells the browser to restrict this page to what it needs.
 async fn guard(
     State(site): State<Arc<Site>>,
     Extension(visit): Extension<Arc<Visit>>,
     request: Request,
     next: Next,
 ) -> Response {
-    if let Err(reason) = check(request.headers(), &site.host, |_| false) {
+    let is_rosbridge = match request.uri().path() {
+        "/rosbridge" => true,
+        "/" => request.headers().contains_key(header::UPGRADE),
+        _ => false,
+    };
+    if let Err(reason) = check(request.headers(), &site.host, |origin| is_rosbridge && is_local(origin)) {
         return (StatusCode::FORBIDDEN, reason).into_response();
     }
     if site.access.is_open() && !visit.admit() {

@@ -84,6 +84,8 @@ impl View {
             classes: ClassPages::new(&def.robots),
             pages: AtomicU64::new(0),
             framing: Framing::Local,
+            #[cfg(feature = "ros2")]
+            rosbridge: None,
         };
         let (moments, taken) = sync_channel(1);
         let (stop, stopped) = oneshot::channel();

@@ -5,11 +5,10 @@
 //! pass that makes that server send messages.
 
 use std::hash::{BuildHasher, RandomState};
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::http::uri::Uri;
 use axum::http::{HeaderMap, HeaderName, HeaderValue};
 use recorder::Admitted;
 use tokio::io::{AsyncReadExt, AsyncWriteExt, copy_bidirectional};
@@ -151,31 +150,14 @@ fn check(head: &[u8], own_name: &str, access: &Access) -> Result<(), String> {
         headers.append(name, HeaderValue::from_bytes(header.value).map_err(|error| format!("{error}\n"))?);
     }
     origin::check(&headers, own_name, is_welcome)?;
-    let query = request.path.and_then(|path| path.split_once('?')).map_or("", |(_, query)| query);
-    let token = query.split('&').find_map(|pair| pair.strip_prefix("token=")).or(origin::bearer(&headers));
+    let token = origin::token(request.path.unwrap_or_default(), &headers);
     let refused = |refusal| format!("{refusal}: expected ?token=.. in the address, of the role viewer\n");
     access.rights(token, &[Role::Viewer]).map(|_| ()).map_err(refused)
 }
 
-/// True for Foxglove's own page, pages that this machine serves (as Lichtblick does), and programs that are not a page of a
-/// site.
+/// True for Foxglove's own page, and what runs on this machine.
 fn is_welcome(origin: &str) -> bool {
-    if origin == FOXGLOVE_PAGE {
-        return true;
-    }
-    let Ok(uri) = origin.parse::<Uri>() else { return false };
-    let host = uri.host().unwrap_or_default();
-    // The parser takes anything after a colon for a port.
-    let port = uri.port_u16().map(|port| format!(":{port}")).unwrap_or_default();
-    if uri.authority().is_some_and(|authority| authority.as_str() != format!("{host}{port}")) {
-        return false;
-    }
-    let host = host.trim_matches(['[', ']']);
-    match uri.scheme_str() {
-        Some("http" | "https") => host == "localhost" || host.parse::<IpAddr>().is_ok_and(|ip| ip.is_loopback()),
-        // A page that hides its origin sends `null`.
-        scheme => scheme.is_some(),
-    }
+    origin == FOXGLOVE_PAGE || origin::is_local(origin)
 }
 
 #[cfg(test)]
