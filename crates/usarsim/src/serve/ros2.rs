@@ -20,7 +20,7 @@ pub(crate) struct Ros2Choice {
     ros2: bool,
     /// Let clients of rosbridge in on the page's port, `ws://localhost:8080/rosbridge`: the topics and services of --ros2 as JSON, for
     /// roslibpy, roslibjs and whoever has no DDS. It needs no --ros2.
-    #[arg(long, env = "USARSIM_ROSBRIDGE", group = "ros", conflicts_with = "no_http")]
+    #[arg(long, env = "USARSIM_ROSBRIDGE", group = "ros", conflicts_with = "no_http", hide_short_help = true)]
     rosbridge: bool,
     /// Domain of the node.
     #[arg(long, env = "ROS_DOMAIN_ID", value_name = "0..101", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=i64::from(LAST_DOMAIN)), hide_short_help = true)]
