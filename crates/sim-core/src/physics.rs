@@ -9,6 +9,7 @@ mod conveyor;
 mod fault;
 mod identity;
 mod mechanism;
+mod mesh;
 mod motor;
 mod objects;
 mod observe;

@@ -290,11 +290,15 @@ static RINGS_AROUND: LazyLock<Vec<(i32, i32)>> = LazyLock::new(|| {
     around
 });
 
-/// Returns the layers of one collider on a ray that points down: one for a convex solid, one for each upward face of a mesh.
+/// Returns the layers of one collider on a ray that points down: one for a convex solid, one for each upward face of a mesh, or for each face
+/// of one that holds on both sides.
 fn layers_of(collider: &Collider, mut ray: Ray) -> Vec<Layer> {
     let cast = |ray: &Ray| collider.shape().cast_ray_and_get_normal(collider.position(), ray, 2.0 * SKY, false);
     let mut layers = Vec::new();
-    let mesh = collider.shape().as_trimesh().map(|mesh| mesh.num_triangles() as u32);
+    let mesh = collider.shape().as_trimesh().map(|mesh| match shape::is_two_sided(mesh) {
+        true => u32::MAX,
+        false => mesh.num_triangles() as u32,
+    });
     while layers.len() < MAX_LAYERS
         && let Some(hit) = cast(&ray)
     {

@@ -9,6 +9,11 @@ use rapier3d::prelude::*;
 use scene::MountedWheel;
 
 use super::convert;
+use super::mesh::{Shell, shell};
+
+/// Meshes whose triangles hold a body on the side that their normals point to, and on both. Edges between triangles of one plane hold nothing.
+const ONE_SIDED: TriMeshFlags = TriMeshFlags::FIX_INTERNAL_EDGES;
+const TWO_SIDED: TriMeshFlags = TriMeshFlags::FIX_INTERNAL_EDGES_TWO_SIDED;
 
 /// Builds the engine's shape. A hull without volume, or a mesh without triangles, becomes a dot; `scene-loader` refuses these before.
 pub(super) fn shared(shape: &scene::Shape) -> SharedShape {
@@ -21,11 +26,23 @@ pub(super) fn shared(shape: &scene::Shape) -> SharedShape {
         scene::Shape::Ball { radius } => SharedShape::ball(*radius),
         scene::Shape::Hull { points: corners } => SharedShape::convex_hull(&points(corners)).unwrap_or_else(dot),
         scene::Shape::Mesh { vertices, triangles } => {
-            let flags = TriMeshFlags::MERGE_DUPLICATE_VERTICES | TriMeshFlags::FIX_INTERNAL_EDGES;
-            SharedShape::trimesh_with_flags(points(vertices), triangles.clone(), flags).unwrap_or_else(|_| dot())
+            let Shell { triangles, is_solid } = shell(vertices, triangles);
+            let flags = if is_solid { ONE_SIDED } else { TWO_SIDED };
+            SharedShape::trimesh_with_flags(points(vertices), triangles, flags).unwrap_or_else(|_| dot())
         }
-        scene::Shape::HeightField(field) => shared(&field.surface()),
+        scene::Shape::HeightField(field) => match field.surface() {
+            // Below a field is ground.
+            scene::Shape::Mesh { vertices, triangles } => {
+                SharedShape::trimesh_with_flags(points(&vertices), triangles, ONE_SIDED).unwrap_or_else(|_| dot())
+            }
+            other => shared(&other),
+        },
     }
+}
+
+/// True if a mesh holds bodies on both sides of its triangles.
+pub(super) fn is_two_sided(mesh: &TriMesh) -> bool {
+    mesh.flags().contains(TWO_SIDED)
 }
 
 /// Builds the outline of a wheel: a plain disc about the y axis, a ball for a caster, or the volume of a track.
