@@ -76,14 +76,14 @@ fn a_car_drives_straight_and_says_what_it_was_asked_for() {
     let BodyState { linear, angular, .. } = body(&world);
     // The servos are soft: front and rear wheels ask for 0.368 and 0.256 m/s.
     assert!((0.25..0.37).contains(&linear.x) && angular.norm() < 0.005, "{linear:?} {angular:?}");
-    // Case 81: the status reports the commanded angle, although the joint stops at 0.5.
+    // Case 81: the status reports the commanded angle, although the middle of the axle stops at 0.5: the inner wheel at a little more.
     apply(&mut world, robot, "DRIVE {Speed 0} {FrontSteer 2} {RearSteer 0}");
     let status = lines(&mut world, 2.0, "STA");
     assert!(status[0].ends_with("{LightIntensity 100} {FrontSteer 2.0000} {RearSteer 0.0000}"), "{}", status[0]);
     let def = &world.def().robots["FrontAckerman"];
     let steered = def.with_values().position(|link| link.name == "FRFrontSteer").expect("a joint");
     let angle = world.snapshot().robots[0].joints[steered].position;
-    assert!((angle - 0.5).abs() < 0.02, "{angle}");
+    assert!((0.53..0.58).contains(&angle), "{angle}");
     let conf = apply(&mut world, robot, "GETCONF {Type Robot}");
     assert!(conf[0].ends_with("{MaxFrontSteer 1.0000} {MaxRearSteer 6.2800}"), "{conf:?}");
 }

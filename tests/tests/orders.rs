@@ -32,6 +32,12 @@ fn sides(class: &str, left: f64, right: f64) -> Order {
     Order::Wheels(robot.driven().map(|wheel| Some(if wheel.side == Side::Left { left } else { right })).collect())
 }
 
+/// Returns the speeds of a car's wheels in a bend, whose mean is given.
+fn in_a_bend(class: &str, speed: f64, steer: [f64; 2]) -> Vec<Option<f64>> {
+    let robot = scene_loader::robot(class, &[]).expect("a built-in robot");
+    base_motion::speed_shares(&robot, steer).into_iter().map(|share| Some(share * speed)).collect()
+}
+
 fn joint(class: &str, name: &str, target: f64) -> Order {
     let robot = scene_loader::robot(class, &[]).expect("a built-in robot");
     let number = robot.with_values().position(|link| link.name == name).expect("a joint");
@@ -61,7 +67,7 @@ fn orders_and_lines_give_the_same_bits() {
     check(
         "FrontAckerman",
         "DRIVE {Speed 3} {FrontSteer 0.3} {RearSteer 0}",
-        &[Order::Steer([0.3, 0.0]), Order::Wheels(vec![Some(3.0); 4])],
+        &[Order::Steer([0.3, 0.0]), Order::Wheels(in_a_bend("FrontAckerman", 3.0, [0.3, 0.0]))],
     );
     check(
         "AirRobot",

@@ -6,8 +6,10 @@
 mod base;
 pub mod mecanum;
 mod sliding;
+mod steering;
 
 pub use base::{Base, Car, DiffDrive, Drive, Model, Sliding};
+pub use steering::{joint_angles, joint_limits, speed_shares, turning_centre};
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

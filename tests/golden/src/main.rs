@@ -81,7 +81,7 @@ const WORLDS: [Golden; 5] = [
             (2, "INIT {ClassName USARBot.AirRobot} {Location 3,0,-1}"),
             (2, "DRIVE {AltitudeVelocity 0.2} {LinearVelocity 0.5} {RotationalVelocity 30}"),
         ],
-        digest: 0xab22_8bc9_fda7_47da,
+        digest: 0xd13d_f978_b840_a352,
     },
 ];
 

@@ -100,12 +100,29 @@ pub(super) fn with_held<'a>(class: &RobotDef, held: impl IntoIterator<Item = Hel
     fitted
 }
 
+/// Returns a car whose joints turn as far as its axles do; `None` for any other robot.
+fn steered(def: &RobotDef) -> Option<RobotDef> {
+    let limits = base_motion::joint_limits(def);
+    if limits.is_empty() {
+        return None;
+    }
+    let mut car = def.clone();
+    for (number, limits) in limits {
+        if let Some(joint) = car.links.get_mut(number).and_then(|link| link.joint.as_mut()) {
+            joint.limits = Some(limits);
+        }
+    }
+    Some(car)
+}
+
 impl CompiledRobot {
     pub(crate) fn new(def: RobotDef, materials: &mut Materials) -> Self {
         let shapes: Vec<SharedShape> = def.body_solids().iter().map(|solid| shape::shared(&solid.shape)).collect();
+        let steered = steered(&def);
+        let moving = steered.as_ref().unwrap_or(&def);
         let mechanism = match def.drive_model {
-            DriveModel::Bodies => CompiledMechanism::Bodies(Arc::new(bodies::Tree::new(&def, &shapes, materials))),
-            _ => CompiledMechanism::Articulated(Arc::new(Articulated::new(&def, &shapes, materials))),
+            DriveModel::Bodies => CompiledMechanism::Bodies(Arc::new(bodies::Tree::new(moving, &shapes, materials))),
+            _ => CompiledMechanism::Articulated(Arc::new(Articulated::new(moving, &shapes, materials))),
         };
         let solids = def.body_solids().iter().zip(shapes).map(|(solid, shape)| (solid.pose(), shape));
         let carried = def.links.iter().skip(1).flat_map(|link| &link.solids);
