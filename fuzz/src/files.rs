@@ -114,7 +114,7 @@ pub fn ini(bytes: &[u8]) {
 pub fn sdf(bytes: &[u8]) {
     let folder = Folder::new(&[("part.obj", MESH.as_bytes())]);
     let file = folder.with("x.sdf", bytes);
-    let import = MapImport { file: &file, scale: 1.0, materials: &[], floor: true };
+    let import = MapImport { file: &file, scale: 1.0, materials: &[], floor: true, models: &[], is_strict: false };
     let made = scene_loader::import_map(&import);
     assert_lines(&made);
     let Ok(made) = made else { return };
@@ -145,7 +145,14 @@ pub fn urdf(bytes: &[u8]) {
 fn import(file: &Path) {
     let Ok(text) = scene_loader::text(file) else { return };
     let packages = Packages::around(file, &[], &[]).expect("its folder");
-    let Ok(imported) = scene_loader::import(&Import { file, text: &text, class: "Robot", packages: &packages }) else {
+    let Ok(imported) = scene_loader::import(&Import {
+        file,
+        text: &text,
+        class: "Robot",
+        packages: &packages,
+        wheels: &[],
+        drive: None,
+    }) else {
         return;
     };
     let folder = Folder::new(&[]);

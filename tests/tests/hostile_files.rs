@@ -471,7 +471,10 @@ fn a_file_is_read_only_as_far_as_it_may_be_long() {
     stl.extend([255; 4]);
     std::fs::write(path("ground.stl"), stl).expect("a file");
     std::fs::write(path("map.toml"), HALL.replace("ground.obj", "ground.stl")).expect("a file");
-    assert_eq!(problem("map.toml"), "map.toml:24:1: mesh `ground.stl`: failed to fill whole buffer");
+    assert_eq!(
+        problem("map.toml"),
+        "map.toml:24:1: mesh `ground.stl`: 84 bytes: expected 214748364834, as its count of triangles says"
+    );
 }
 
 #[test]

@@ -9,11 +9,12 @@ use crate::equipment::Changes;
 use crate::overrides::{self, Override};
 use crate::problem::Problems;
 use crate::robot::Others;
+use crate::robot::of_urdf::Known;
 use crate::shipped::{
     ASSETS, MAPS, actuator_names, built_in_materials, built_in_robot, folder_name, further_names, is_like_another,
     map_names, robot_names, unknown,
 };
-use crate::source::Source;
+use crate::source::{MAX_TEXT, Source};
 use crate::urdf::hints_at_mecanum;
 use crate::{LoadError, map as map_file, robot as robot_file};
 
@@ -158,9 +159,9 @@ pub(crate) fn actuator(beside: &Source, class: &str, changes: Changes, depth: us
 pub(crate) fn robot_of_urdf(path: &Path, class: &str) -> Result<RobotDef, LoadError> {
     let (source, mut problems) = (Source::of_file(path), Problems::default());
     let file = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let (text, materials) = (source.text(&file)?, built_in_materials(&[])?);
-    let mecanum = hints_at_mecanum(&text);
-    let guessed = robot_file::of_urdf::read(&source, &file, class, &text, &materials, mecanum, &mut problems);
+    let (text, materials) = (source.xml(&file, MAX_TEXT)?, built_in_materials(&[])?);
+    let known = Known { mecanum: hints_at_mecanum(&text), ..Known::default() };
+    let guessed = robot_file::of_urdf::read(&source, &file, class, &text, &materials, known, &mut problems);
     let robot = guessed.map(|guessed| guessed.robot);
     problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
 }

@@ -20,10 +20,10 @@ pub use self::packages::Packages;
 use self::meshes::Meshes;
 use crate::problem::Problems;
 use crate::robot::of_urdf::extent::bounds;
-use crate::robot::of_urdf::{self, Change, Guessed};
+use crate::robot::of_urdf::{self, Change, Guessed, Known, WheelDrive};
 use crate::source::Source;
-use crate::urdf;
-use crate::{LoadError, shipped};
+use crate::urdf::{self, Parsed};
+use crate::{LoadError, shipped, xml};
 
 /// Name of the URDF in a robot's folder.
 const URDF: &str = "robot.urdf";
@@ -40,6 +40,10 @@ pub struct Import<'a> {
     pub class: &'a str,
     /// Packages that it refers to.
     pub packages: &'a Packages,
+    /// Joints of its driven wheels; empty if they shall be found.
+    pub wheels: &'a [String],
+    /// Drive of its wheels; `None` if it shall be guessed.
+    pub drive: Option<WheelDrive>,
 }
 
 /// An imported robot.
@@ -71,13 +75,11 @@ pub enum Content {
 pub fn import(import: &Import) -> Result<Imported, LoadError> {
     let &Import { file, packages, .. } = import;
     let (shown, mut problems) = (file.display().to_string(), Problems::default());
-    let (text, second) = without_seconds(import.text);
+    let text = xml::lenient(import.text);
     let parsed = urdf::parse(&shown, &text, &mut problems);
-    let Some((document, mut robot)) = problems.into_result(parsed.ok())? else {
+    let Some(Parsed { document, mut robot, mut left_out }) = problems.into_result(parsed.ok())? else {
         return Err(problem(&shown, "not a URDF"));
     };
-    let mut left_out = urdf::ignored(document.root_element());
-    left_out.extend(second);
     let mut meshes = Meshes::new(packages);
     meshes.place_all(&mut robot, &mut left_out);
     let source = meshes.source();
@@ -111,8 +113,9 @@ pub fn import(import: &Import) -> Result<Imported, LoadError> {
 fn guess(import: &Import, source: &Source, robot: &urdf_rs::Robot) -> Result<Guessed, LoadError> {
     let shown = import.file.display().to_string();
     let (text, materials) = (written(&shown, robot)?, shipped::built_in_materials(&[])?);
-    let (mecanum, mut problems) = (urdf::hints_at_mecanum(import.text), Problems::default());
-    let guessed = of_urdf::read(source, URDF, import.class, &text, &materials, mecanum, &mut problems);
+    let mecanum = urdf::hints_at_mecanum(&xml::lenient(import.text));
+    let (known, mut problems) = (Known { wheels: import.wheels, drive: import.drive, mecanum }, Problems::default());
+    let guessed = of_urdf::read(source, URDF, import.class, &text, &materials, known, &mut problems);
     // The user does not have the file in which these problems have lines.
     let guessed = problems.into_result(guessed).map_err(|error| match error {
         LoadError::Bad(problems) => {
@@ -122,41 +125,6 @@ fn guess(import: &Import, source: &Source, robot: &urdf_rs::Robot) -> Result<Gue
         other => other,
     })?;
     guessed.ok_or_else(|| problem(&shown, "not a robot"))
-}
-
-/// Returns the text without second elements where a URDF has one, and messages about them. ROS reads the first, and the URDF
-/// library none. Lines stay as they are.
-fn without_seconds(text: &str) -> (String, Vec<String>) {
-    const SINGLE: [(&str, &[&str]); 2] = [
-        (
-            "joint",
-            &["origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller"],
-        ),
-        ("link", &["inertial"]),
-    ];
-    let (mut text, mut said) = (text.to_owned(), Vec::new());
-    // A text that is no URDF is reported by its reader.
-    let Ok(document) = urdf::document(&text) else { return (text, said) };
-    let mut ranges = Vec::new();
-    for node in document.root_element().children() {
-        let Some((tag, single)) = SINGLE.iter().find(|(tag, _)| node.has_tag_name(*tag)) else { continue };
-        let mut seen = Vec::new();
-        for child in node.children().filter(|child| single.contains(&child.tag_name().name())) {
-            let name = child.tag_name().name();
-            if seen.contains(&name) {
-                let owner = node.attribute("name").unwrap_or_default();
-                said.push(format!("{tag} {owner}: a second <{name}>, as the first counts"));
-                ranges.push(child.range());
-            }
-            seen.push(name);
-        }
-    }
-    drop(document);
-    for range in ranges.into_iter().rev() {
-        let lines = text[range.clone()].matches('\n').count();
-        text.replace_range(range, &"\n".repeat(lines));
-    }
-    (text, said)
 }
 
 /// Returns the text of a URDF.
@@ -221,6 +189,11 @@ fn apply(change: &Change, robot: &mut urdf_rs::Robot) {
                 if let Some(mimic) = joint.mimic.as_mut().filter(|mimic| &mimic.joint == from) {
                     mimic.joint.clone_from(to);
                 }
+            }
+        }
+        Change::Limit(name, [effort, velocity]) => {
+            for joint in robot.joints.iter_mut().filter(|joint| &joint.name == name) {
+                (joint.limit.effort, joint.limit.velocity) = (*effort, *velocity);
             }
         }
         Change::NoCollision(name) => {

@@ -1,15 +1,19 @@
 //! Maps from files of other programs: meshes with several objects, and Gazebo's SDF.
 
+mod frames;
+mod models;
 mod sdf;
+mod solids;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
-use scene::check::{MAX_NAME, MAX_SOLIDS, MAX_TRIANGLES};
-use scene::{Pose, Shape};
+use scene::check::{FRICTION, MAX_NAME, MAX_OBJECTS, MAX_SOLIDS, MAX_TRIANGLES};
+use scene::{Material, Pose, Shape};
 
+use self::models::Models;
 use crate::mesh::{self, Piece};
 use crate::problem::Problems;
 use crate::source::Source;
@@ -33,6 +37,10 @@ pub struct MapImport<'a> {
     pub materials: &'a [(String, String)],
     /// True to add a plane below everything.
     pub floor: bool,
+    /// Folders in which models of Gazebo are looked for, beside those around the file.
+    pub models: &'a [PathBuf],
+    /// True to refuse a file whose models or meshes are not all there.
+    pub is_strict: bool,
 }
 
 /// A solid that an import made of an object.
@@ -71,6 +79,16 @@ struct FoundObject {
     colour: Option<[f64; 3]>,
     /// Mass, kg, if it can be pushed.
     mass: Option<f64>,
+    touch: Touch,
+    /// Name of a material of its own.
+    material: Option<String>,
+}
+
+/// Touch of a surface, as far as the file says it.
+#[derive(Clone, Copy, Default)]
+struct Touch {
+    friction: Option<f64>,
+    restitution: Option<f64>,
 }
 
 enum Geometry {
@@ -88,16 +106,17 @@ pub fn import_map(import: &MapImport) -> Result<ImportedMap, LoadError> {
     import.materials.iter().try_for_each(|(_, material)| known_material(material))?;
     let (source, file) = (Source::of_file(import.file), file_name(import.file));
     let ending = import.file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    let (mut found, notes) = match ending.as_deref() {
+    let sdf::Found { objects: mut found, mut notes, gravity, origin } = match ending.as_deref() {
         Some("sdf" | "world") => {
             let mut problems = Problems::default();
-            let read = sdf::read(&source, &file, &mut problems)?;
+            let read = sdf::read(&source, &file, Models(import.models), import.is_strict, &mut problems)?;
             problems.into_result(read)?
         }
         Some("glb" | "gltf" | "obj" | "stl" | "dae") => {
             let pieces = mesh::named_pieces(&source, &file).map_err(LoadError::Import)?;
             let stem = import.file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-            (pieces.into_iter().map(|piece| of_piece(piece, import.scale, &stem)).collect(), Vec::new())
+            let objects = pieces.into_iter().map(|piece| of_piece(piece, import.scale, &stem)).collect();
+            sdf::Found { objects, ..sdf::Found::default() }
         }
         _ => {
             let expected = "a .sdf, .world, .glb, .gltf, .obj, .stl or .dae file";
@@ -106,21 +125,71 @@ pub fn import_map(import: &MapImport) -> Result<ImportedMap, LoadError> {
     };
     if found.is_empty() || found.len() > MAX_SOLIDS {
         let (file, count) = (import.file.display(), found.len());
-        return Err(LoadError::Import(format!("{file} has {count} objects: expected 1 to {MAX_SOLIDS}")));
+        let mut why = format!("{file} has {count} colliding shapes: expected 1 to {MAX_SOLIDS}");
+        notes.iter().for_each(|note| why += &format!("\nnote: {note}"));
+        return Err(LoadError::Import(why));
+    }
+    let movable = found.iter_mut().filter(|object| object.mass.is_some());
+    let too_many: Vec<&mut FoundObject> = movable.skip(MAX_OBJECTS).collect();
+    if !too_many.is_empty() {
+        notes.push(format!("{} objects stand fast, as at most {MAX_OBJECTS} can be pushed", too_many.len()));
+        too_many.into_iter().for_each(|object| object.mass = None);
     }
     if import.floor {
         let lowest = found.iter().flat_map(FoundObject::depths).fold(f64::NEG_INFINITY, f64::max);
         let pose = Pose::translation(0.0, 0.0, if lowest.is_finite() { lowest } else { 0.0 });
         let geometry = Geometry::Plain(Shape::HalfSpace);
-        found.insert(0, FoundObject { name: "floor".to_owned(), pose, geometry, colour: None, mass: None });
+        found.insert(0, FoundObject::fixed("floor".to_owned(), pose, geometry, None));
     }
     let mut made = ImportedMap { text: String::new(), meshes: Vec::new(), solids: Vec::new(), notes };
     let _ = writeln!(made.text, "description = {}", quoted(&format!("From {file}")));
+    if let Some(gravity) = gravity {
+        let _ = writeln!(made.text, "gravity = {}", number(gravity));
+    }
+    if let Some(origin) = origin {
+        let _ = writeln!(made.text, "latitude = {:?}\nlongitude = {:?}", origin.latitude, origin.longitude);
+    }
+    made.text += &own_materials(&mut found, import.materials)?;
     let mut names = Names::default();
     for object in found {
         made.add(object, import.materials, &mut names);
     }
     Ok(made)
+}
+
+/// Returns the tables of materials for surfaces whose friction or bounce the file says, where no pattern of the user fits. Such a material is
+/// the usual one with these numbers.
+fn own_materials(found: &mut [FoundObject], patterns: &[(String, String)]) -> Result<String, LoadError> {
+    let materials = shipped::built_in_materials(&[])?;
+    let usual = materials.get(MATERIAL).cloned().unwrap_or_default();
+    let mut own = BTreeMap::<String, Material>::new();
+    for object in found.iter_mut().filter(|object| !patterns.iter().any(|(pattern, _)| fits(pattern, &object.name))) {
+        let Touch { friction, restitution } = object.touch;
+        if friction.or(restitution).is_none() {
+            continue;
+        }
+        let mut material = usual.clone();
+        material.friction = friction.unwrap_or(usual.friction).clamp(FRICTION.least, FRICTION.most);
+        material.restitution = restitution.unwrap_or(usual.restitution).clamp(0.0, 1.0);
+        let bounce =
+            if restitution.is_some() { format!("-bounce-{}", number(material.restitution)) } else { String::new() };
+        material.name = format!("friction-{}{bounce}", number(material.friction));
+        object.material = Some(material.name.clone());
+        own.insert(material.name.clone(), material);
+    }
+    let mut text = String::new();
+    for (name, material) in own {
+        let Material { friction, restitution, rolling_resistance, .. } = material;
+        let _ = write!(
+            text,
+            "\n[material.{}]\nfriction = {}\nrestitution = {}\nrolling_resistance = {}\nsource = \"The file's surface\"\n",
+            quoted(&name),
+            number(friction),
+            number(restitution),
+            number(rolling_resistance)
+        );
+    }
+    Ok(text)
 }
 
 fn known_material(name: &str) -> Result<(), LoadError> {
@@ -147,13 +216,13 @@ fn of_piece(mut piece: Piece, scale: f64, stem: &str) -> FoundObject {
             let [x, y, z] = centre;
             // The frame of a map is z down, and a box is alike after half a turn.
             let pose = Pose::translation(x, -y, -z);
-            FoundObject { name, pose, geometry: Geometry::Plain(Shape::Box { size }), colour, mass: None }
+            FoundObject::fixed(name, pose, Geometry::Plain(Shape::Box { size }), colour)
         }
-        None => FoundObject { name, pose: Pose::identity(), geometry: Geometry::Mesh(piece), colour, mass: None },
+        None => FoundObject::fixed(name, Pose::identity(), Geometry::Mesh(piece), colour),
     }
 }
 
-/// Returns centre and edges of a piece that is a closed box along the axes, seen from outside.
+/// Returns centre and edges of a piece that is a closed box along the axes, whichever side its triangles show.
 fn as_box(piece: &Piece) -> Option<([f64; 3], [f64; 3])> {
     if piece.triangles.len() != 12 {
         return None;
@@ -178,12 +247,16 @@ fn as_box(piece: &Piece) -> Option<([f64; 3], [f64; 3])> {
         a.dot(&b.cross(&c)) / 6.0
     };
     let (volume, whole) = (piece.triangles.iter().map(volume).sum::<f64>(), size.iter().product::<f64>());
-    let is_closed = corners.len() == 8 && (volume - whole).abs() < 1e-3 * whole;
+    let is_closed = corners.len() == 8 && (volume.abs() - whole).abs() < 1e-3 * whole;
     let centre = std::array::from_fn(|axis| (low[axis] + high[axis]) / 2.0);
     (is_closed && size.iter().all(|&edge| edge >= THIN)).then_some((centre, size))
 }
 
 impl FoundObject {
+    fn fixed(name: String, pose: Pose, geometry: Geometry, colour: Option<[f64; 3]>) -> Self {
+        Self { name, pose, geometry, colour, mass: None, touch: Touch::default(), material: None }
+    }
+
     /// Returns the heights (z) of its points, as far as they have an end.
     fn depths(&self) -> Vec<f64> {
         let down = |point: [f64; 3]| (self.pose * nalgebra::Point3::from(point)).z;
@@ -236,7 +309,7 @@ impl ImportedMap {
         let plain = plain.replace(is_bad, "_");
         let name = names.new_one(if plain.is_empty() { "solid" } else { &plain });
         let fits = patterns.iter().find(|(pattern, _)| fits(pattern, &found.name));
-        let material = fits.map_or(MATERIAL, |(_, material)| material);
+        let material = fits.map(|(_, material)| material.as_str()).or(found.material.as_deref()).unwrap_or(MATERIAL);
         let (kind, shape) = match &found.geometry {
             Geometry::Plain(Shape::HalfSpace) => ("half_space", String::new()),
             Geometry::Plain(Shape::Box { size }) => ("box", format!("size = {}\n", list(size))),

@@ -19,6 +19,7 @@ mod robot;
 mod shipped;
 mod source;
 mod urdf;
+mod xml;
 
 pub use catalogue::{load, load_equipped, load_with, map, objects, robot, robot_equipped};
 pub use equipment::{Changes, Equipment};
@@ -28,6 +29,7 @@ pub use import_map::{ImportedMap, ImportedSolid, MapImport, import_map};
 pub use league::{Communication, Controllers, LeagueFile, league};
 pub use overrides::{Override, check_used};
 pub use problem::{FileProblem, LoadError};
+pub use robot::of_urdf::WheelDrive;
 pub use shipped::{File, map_description, map_files, map_names, robot_files, robot_folders, robot_names};
 
 use std::path::Path;
@@ -55,13 +57,23 @@ pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
     check_toml(path)
 }
 
-/// Returns the text of a file, such as a URDF, of at most 4 MB.
+/// Returns the text of a file of at most 4 MB.
 ///
 /// # Errors
 /// When it cannot be read, is larger or is not UTF-8.
 pub fn text(path: &Path) -> Result<String, LoadError> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     Source::of_file(path).text(&name)
+}
+
+/// Returns the text of an XML file, such as a URDF, of at most 4 MB, in the encoding that it says. What XML forbids and the readers of ROS and
+/// Gazebo take, such as comments with `--`, is made good; lines stay where they are.
+///
+/// # Errors
+/// When it cannot be read or is larger.
+pub fn xml_text(path: &Path) -> Result<String, LoadError> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    Source::of_file(path).xml(&name, source::MAX_TEXT)
 }
 
 /// True if the root of a URDF declares the name space of xacro.

@@ -4,6 +4,7 @@ mod collada;
 mod gltf;
 mod simplify;
 
+use std::collections::HashMap;
 use std::io::Cursor;
 
 use scene::Shape;
@@ -89,11 +90,61 @@ impl Piece {
     }
 }
 
+/// Bytes before the triangles of a binary STL, and of each triangle.
+const STL_HEAD: usize = 84;
+const STL_TRIANGLE: usize = 50;
+
+/// Reads an STL. A file whose length fits its count of triangles is binary, whatever its header says; exporters write `solid` there, too.
 fn stl(bytes: &[u8]) -> Result<Vec<Piece>, String> {
-    let mesh = stl_io::read_stl(&mut Cursor::new(bytes)).map_err(|error| error.to_string())?;
-    let vertices = mesh.vertices.iter().map(|vertex| [vertex[0], vertex[1], vertex[2]]).collect();
-    let triangles = mesh.faces.iter().map(|face| face.vertices.map(|index| index as u32)).collect();
-    Ok(vec![Piece { vertices, triangles, ..Piece::default() }])
+    let count = bytes.get(STL_HEAD - 4..STL_HEAD).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
+    let length = count.and_then(|count| STL_TRIANGLE.checked_mul(count as usize)?.checked_add(STL_HEAD));
+    let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|begin| begin.eq_ignore_ascii_case(b"solid"));
+    let corners = match length {
+        Some(length) if length == bytes.len() || !is_text && length < bytes.len() => {
+            bytes[STL_HEAD..length].chunks_exact(STL_TRIANGLE).flat_map(binary_corners).collect()
+        }
+        _ if is_text => text_corners(&String::from_utf8_lossy(bytes))?,
+        Some(length) => {
+            return Err(format!("{} bytes: expected {length}, as its count of triangles says", bytes.len()));
+        }
+        None => return Err(format!("{} bytes: expected an STL", bytes.len())),
+    };
+    Ok(vec![of_corners(&corners)])
+}
+
+/// Returns the corners of a triangle of a binary STL, after its normal.
+fn binary_corners(triangle: &[u8]) -> impl Iterator<Item = [f32; 3]> {
+    let number = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+    triangle[12..48]
+        .chunks_exact(12)
+        .map(move |corner| [number(&corner[..4]), number(&corner[4..8]), number(&corner[8..])])
+}
+
+/// Returns the corners in an STL of text, three for each triangle.
+fn text_corners(text: &str) -> Result<Vec<[f32; 3]>, String> {
+    let mut words = text.split_whitespace();
+    let mut corners = Vec::new();
+    while let Some(word) = words.next() {
+        if word.eq_ignore_ascii_case("vertex") {
+            let mut number = || words.next().and_then(|word| word.parse().ok());
+            let corner = (|| Some([number()?, number()?, number()?]))();
+            corners.push(corner.ok_or_else(|| format!("corner {}: expected three numbers", corners.len() + 1))?);
+        }
+    }
+    if corners.len() % 3 == 0 { Ok(corners) } else { Err("a triangle without three corners".to_owned()) }
+}
+
+/// Makes a piece of corners, three for each triangle. Equal corners become one.
+fn of_corners(corners: &[[f32; 3]]) -> Piece {
+    let (mut piece, mut known) = (Piece::default(), HashMap::with_capacity(corners.len() / 4));
+    let mut place = |corner: &[f32; 3]| {
+        *known.entry(corner.map(|part| (part + 0.0).to_bits())).or_insert_with(|| {
+            piece.vertices.push(*corner);
+            piece.vertices.len() as u32 - 1
+        })
+    };
+    let triangles = corners.chunks_exact(3).map(|it| [place(&it[0]), place(&it[1]), place(&it[2])]).collect();
+    Piece { triangles, ..piece }
 }
 
 fn obj(bytes: &[u8], by_object: bool) -> Result<Vec<Piece>, String> {
@@ -113,13 +164,17 @@ fn obj(bytes: &[u8], by_object: bool) -> Result<Vec<Piece>, String> {
 }
 
 /// Keeps only corners and faces, and the names of objects if they are wanted: tobj trusts the indices of textures and normals, which are
-/// not needed.
+/// not needed. A line that ends in `\` goes on in the next one.
 fn geometry(text: &str, by_object: bool) -> String {
+    let text = text.replace("\\\r\n", " ").replace("\\\n", " ");
     let mut geometry = String::with_capacity(text.len());
     for line in text.lines() {
         let mut words = line.split_whitespace();
-        let kind = match words.next() {
-            Some(kind @ ("v" | "f")) => kind,
+        let (kind, most) = match words.next() {
+            // After its place a corner may have a weight or a colour.
+            Some("v") => ("v", 3),
+            // `fo` is an older word for a face.
+            Some("f" | "fo") => ("f", usize::MAX),
             Some("o" | "g") if by_object => {
                 geometry.push_str(line.trim());
                 geometry.push('\n');
@@ -127,8 +182,11 @@ fn geometry(text: &str, by_object: bool) -> String {
             }
             _ => continue,
         };
+        if kind == "f" && words.clone().count() < 3 {
+            continue;
+        }
         geometry.push_str(kind);
-        for word in words {
+        for word in words.take(most) {
             geometry.push(' ');
             geometry.push_str(word.split('/').next().unwrap_or_default());
         }

@@ -28,7 +28,7 @@ use crate::document::{Document, Table, Vector};
 use crate::equipment::{Changes, Equipment};
 use crate::materials::Materials;
 use crate::problem::{Problems, Unread};
-use crate::source::Source;
+use crate::source::{MAX_TEXT, Source};
 use crate::urdf::{self, Urdf};
 
 const KEYS: &str = "description, names, like, steering, reported_steering, drive_model, one_side_drives, dialect, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
@@ -145,7 +145,7 @@ pub(crate) fn read(definition: &Definition, text: &str, problems: &mut Problems)
     let read = urdf.is_ok();
     let urdf = urdf.ok().flatten();
     let named = urdf.is_some() || !read;
-    let (span, Urdf { links: mut of_urdf, continuous, assumptions }) = urdf.unwrap_or_else(|| (0..0, Urdf::body()));
+    let (span, Urdf { links: mut of_urdf, continuous, assumptions, .. }) = urdf.unwrap_or_else(|| (0..0, Urdf::body()));
     read_links(&mut document, &mut root, read.then_some(&mut of_urdf));
     let urdf_links = 1..of_urdf.len();
     let carried = urdf_links.clone().map(|link| (span.clone(), link)).collect();
@@ -260,8 +260,12 @@ fn read_urdf<'a>(
     let material: String = document.optional(root, "urdf_material").unwrap_or_else(|| "unreal-default".to_owned());
     let Some((span, file)) = document.section::<String>(root, "urdf")? else { return Ok(None) };
     let material = document.material(&span, &material, materials);
-    match source.text(&file) {
-        Ok(text) => Ok(Some((span, urdf::read(source, &file, &text, material, document.problems())?))),
+    match source.xml(&file, MAX_TEXT) {
+        Ok(text) => {
+            let mut urdf = urdf::read(source, &file, &text, material, document.problems())?;
+            urdf.finish_notes();
+            Ok(Some((span, urdf)))
+        }
         Err(error) => {
             document.problem(&span, error);
             Err(Unread)

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 
 use include_dir::Dir;
 
-use crate::LoadError;
+use crate::{LoadError, xml};
 
 /// Largest text file, bytes: ten thousand solids take 1.5 MB.
-const MAX_TEXT: u64 = 4 << 20;
+pub(crate) const MAX_TEXT: u64 = 4 << 20;
 /// Largest mesh, bytes: a million triangles take 50 MB in a binary STL.
 pub(crate) const MAX_MESH: u64 = 64 << 20;
 
@@ -73,6 +73,11 @@ impl Source {
     /// Returns the contents of a text file.
     pub(crate) fn text(&self, name: &str) -> Result<String, LoadError> {
         self.text_up_to(name, MAX_TEXT)
+    }
+
+    /// Returns the contents of an XML file with at most `most` bytes, in the encoding that it says, as the strict library takes it.
+    pub(crate) fn xml(&self, name: &str, most: u64) -> Result<String, LoadError> {
+        Ok(xml::decode(&self.bytes(name, most)?))
     }
 
     /// Returns the contents of a text file with at most `most` bytes.

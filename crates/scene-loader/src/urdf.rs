@@ -4,13 +4,15 @@
 //! come from robot.toml. URDF is x forward, y left, z up. It is converted here, once, to the robot frame, z down.
 
 mod check;
+mod clean;
+mod hulls;
 mod looks;
 
 use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
-use roxmltree::{Node, ParsingOptions};
-use scene::check::ROBOT_REACH;
+use roxmltree::Node;
+use scene::check::{self as limits, JOINT_LIMIT, ROBOT_REACH};
 use scene::{Coupling, CouplingKind, Joint, JointKind, Link, Material, Motor, Part, Pose, ROOT, Shape, Solid};
 use urdf_rs::{Geometry, JointType};
 
@@ -19,17 +21,23 @@ use self::looks::Looks;
 use crate::mesh;
 use crate::problem::{Problems, Unread};
 use crate::source::Source;
+use crate::xml::{self, NotXml};
 
 /// Maximum number of elements, attributes and texts of a file.
 const MAX_NODES: u32 = 500_000;
-/// Maximum number of namespace declarations: the XML library copies them to every element that declares one more.
-const MAX_NAMESPACES: usize = 100;
 /// Position error at which a servo reaches its torque limit, rad or m. A URDF gives no stiffness.
 const FULL_TORQUE_ERROR: f64 = 0.02;
 /// Speed error at which a speed servo reaches its torque limit, as a fraction of its greatest speed.
 pub(crate) const FULL_TORQUE_LAG: f64 = 0.1;
+/// Travel of a revolute joint from which on it turns many times, rad: three turns. Arms have up to two.
+const MANY_TURNS: f64 = 3.0 * std::f64::consts::TAU;
+/// Speed limit of a joint with an effort and without a speed, rad/s or m/s.
+const JOINT_SPEED: f64 = 3.0;
 /// Maximum number of folders above that of the URDF in which a mesh of a package is searched.
 const MAX_LEVELS: usize = 4;
+/// Note about a joint without an effort.
+const FREE: &str = "free to swing, as the effort is 0";
+
 /// A URDF in the robot frame.
 pub(crate) struct Urdf {
     /// Links, parents before their children. The first is the body; the others have the names of their joints.
@@ -38,6 +46,8 @@ pub(crate) struct Urdf {
     pub(crate) continuous: Vec<Continuous>,
     /// Assumptions where the file gives no value, or asks for a feature that is not supported.
     pub(crate) assumptions: Vec<String>,
+    /// Assumptions about joints, each with the joints that it is about.
+    of_joints: BTreeMap<String, Vec<String>>,
 }
 
 /// A continuous joint, which may carry a wheel.
@@ -55,17 +65,36 @@ impl Urdf {
     /// Returns a robot with only a body.
     pub(crate) fn body() -> Self {
         let body = Link { name: ROOT.to_owned(), ..Link::default() };
-        Self { links: vec![body], continuous: Vec::new(), assumptions: Vec::new() }
+        Self { links: vec![body], continuous: Vec::new(), assumptions: Vec::new(), of_joints: BTreeMap::new() }
+    }
+
+    /// Notes an assumption about a joint. Joints of which the same is said share a note.
+    pub(crate) fn say_of(&mut self, joint: &str, what: impl Into<String>) {
+        self.of_joints.entry(what.into()).or_default().push(joint.to_owned());
+    }
+
+    /// Takes back that a joint swings freely.
+    pub(crate) fn is_driven(&mut self, joint: &str) {
+        if let Some(joints) = self.of_joints.get_mut(FREE) {
+            joints.retain(|free| free != joint);
+        }
+    }
+
+    /// Ends the notes about joints.
+    pub(crate) fn finish_notes(&mut self) {
+        for (what, joints) in std::mem::take(&mut self.of_joints) {
+            if let Some((last, others)) = joints.split_last() {
+                let names =
+                    if others.is_empty() { format!("joint {last}") } else { format!("joints {}", joints.join(", ")) };
+                self.assumptions.push(format!("{names}: {what}"));
+            }
+        }
     }
 }
 
 /// Parses the XML of a URDF.
-pub(crate) fn document(text: &str) -> Result<roxmltree::Document<'_>, roxmltree::Error> {
-    if namespaces(text).is_some() {
-        return Err(roxmltree::Error::NodesLimitReached);
-    }
-    let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
-    roxmltree::Document::parse_with_options(text, options)
+fn document(text: &str) -> Result<roxmltree::Document<'_>, NotXml> {
+    xml::parse(text, MAX_NODES)
 }
 
 /// True if the root of an XML file declares the name space of xacro.
@@ -73,28 +102,20 @@ pub(crate) fn declares_xacro(text: &str) -> bool {
     document(text).is_ok_and(|document| document.root_element().namespaces().any(|it| check::is_xacro(it.uri())))
 }
 
-fn namespaces(text: &str) -> Option<String> {
-    let namespaces = text.matches("xmlns").count();
-    (namespaces > MAX_NAMESPACES).then(|| format!("{namespaces} namespaces: expected at most {MAX_NAMESPACES}"))
+/// A URDF as it is written.
+pub(crate) struct Parsed<'t> {
+    pub(crate) document: roxmltree::Document<'t>,
+    pub(crate) robot: urdf_rs::Robot,
+    /// Parts that are left out, in words.
+    pub(crate) left_out: Vec<String>,
 }
 
 /// Parses a URDF and checks the tree and the numbers. `shown` names the file in problems.
-pub(crate) fn parse<'t>(
-    shown: &str,
-    text: &'t str,
-    problems: &mut Problems,
-) -> Result<(roxmltree::Document<'t>, urdf_rs::Robot), Unread> {
-    let mut at = |offset: usize, message: String| problems.at(shown, text, offset, message);
-    if let Some(problem) = namespaces(text) {
-        at(0, problem);
-        return Err(Unread);
-    }
+pub(crate) fn parse<'t>(shown: &str, text: &'t str, problems: &mut Problems) -> Result<Parsed<'t>, Unread> {
     let document = self::document(text).map_err(|error| {
-        let place = error.pos();
-        let line_start: usize = text.split_inclusive('\n').take(place.row as usize - 1).map(str::len).sum();
-        let xacro = matches!(&error, roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro");
-        let message = if xacro { unexpanded("<xacro:..>") } else { format!("not XML: {error}") };
-        at(line_start + place.col as usize - 1, message);
+        let is_xacro = error.to_string().contains("'xacro'");
+        let message = if is_xacro { unexpanded("<xacro:..>") } else { error.to_string() };
+        problems.at(shown, text, error.offset, message);
         Unread
     })?;
     let mut check = Check { file: shown, text, problems, good: true };
@@ -102,11 +123,13 @@ pub(crate) fn parse<'t>(
     if !check.good {
         return Err(Unread);
     }
-    let robot = urdf_rs::read_from_string(text).map_err(|error| {
+    let (clean, mut left_out) = clean::clean(document.root_element());
+    let robot = urdf_rs::read_from_string(&clean).map_err(|error| {
         problems.at(shown, text, 0, format_args!("not a URDF: {error}"));
         Unread
     })?;
-    Ok((document, robot))
+    left_out.extend(ignored(document.root_element()));
+    Ok(Parsed { document, robot, left_out })
 }
 
 /// Reads a URDF; its links get the given material.
@@ -118,47 +141,60 @@ pub(crate) fn read(
     problems: &mut Problems,
 ) -> Result<Urdf, Unread> {
     let shown = source.display(file);
-    let (document, robot) = parse(&shown, text, problems)?;
+    let Parsed { document, robot, left_out } = parse(&shown, text, problems)?;
     let mut tree = Tree {
         source,
         document: &document,
         robot: &robot,
         material: &material,
         wrong: Vec::new(),
-        urdf: Urdf { assumptions: ignored(document.root_element()), ..Urdf::body() },
+        urdf: Urdf { assumptions: left_out, ..Urdf::body() },
         looks: Looks::default(),
     };
     tree.add_all();
     let Tree { wrong, mut urdf, looks, .. } = tree;
     urdf.assumptions.extend(looks.finish(&mut urdf.links));
+    urdf.assumptions.extend(hulls::thin(&mut urdf.links));
     let good = wrong.is_empty();
     wrong.into_iter().for_each(|(offset, message)| problems.at(&shown, text, offset, message));
     if good { Ok(urdf) } else { Err(Unread) }
 }
 
-/// True if a URDF hints at Mecanum wheels: by names of links or meshes, or by Gazebo's diagonal directions of friction or its plugin
-/// that moves a base to all sides.
+/// Words in the names of links, joints, meshes, plugins and controllers of Mecanum bases. Gazebo moves such a base to all sides by a plugin.
+const MECANUM: [&str; 6] = ["mecanum", "omni_wheel", "omniwheel", "planar_move", "planarmove", "force_based_move"];
+
+/// True if a URDF hints at Mecanum wheels: by names of links or meshes, by plugins and controllers of Gazebo and ros2_control, or by
+/// Gazebo's diagonal directions of friction.
 pub(crate) fn hints_at_mecanum(text: &str) -> bool {
     let Ok(document) = document(text) else { return false };
     let named = |name: &str| {
         let name = name.to_ascii_lowercase();
-        ["mecanum", "omni_wheel", "omniwheel"].iter().any(|word| name.contains(word))
+        MECANUM.iter().any(|word| name.contains(word))
     };
     let is_diagonal = |text: &str| {
         let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
         matches!(numbers[..], [x, y, _] if x.abs() > 0.5 && (x.abs() - y.abs()).abs() < 0.1)
     };
+    let is_of_program = |node: Node| {
+        node.attributes().any(|attribute| named(attribute.value()))
+            || named(node.tag_name().name())
+            || node.text().is_some_and(|text| text.len() < 200 && named(text))
+    };
     document.root_element().descendants().any(|node| match node.tag_name().name() {
-        "link" | "joint" => node.attribute("name").is_some_and(named),
+        "link" | "joint" if node.parent() == Some(document.root_element()) => node.attribute("name").is_some_and(named),
         "mesh" => node.attribute("filename").is_some_and(named),
         "fdir1" => node.text().is_some_and(is_diagonal),
-        "plugin" => node.attribute("filename").is_some_and(|name| name.contains("planar_move")),
-        _ => false,
+        _ => {
+            let mut around = node.ancestors().map(|it| it.tag_name().name());
+            node.is_element()
+                && around.any(|tag| ["plugin", "ros2_control", "transmission"].contains(&tag))
+                && is_of_program(node)
+        }
     })
 }
 
 /// Lists the elements of a URDF that are for other programs.
-pub(crate) fn ignored(robot: Node) -> Vec<String> {
+fn ignored(robot: Node) -> Vec<String> {
     let mut counts = BTreeMap::<&str, usize>::new();
     for node in robot.children().filter(Node::is_element) {
         let tag = node.tag_name().name();
@@ -244,7 +280,7 @@ impl<'a> Tree<'a> {
 
     /// Returns the number of the link that a joint carries: a new one, or the parent if the joint is held.
     fn add_joint(&mut self, joint: &urdf_rs::Joint, child: &urdf_rs::Link, place: &Pose, parent: usize) -> usize {
-        let limits = [joint.limit.lower, joint.limit.upper];
+        let limits = self.limits(joint);
         let kind = match joint.joint_type {
             JointType::Fixed => return parent,
             JointType::Continuous => JointKind::Continuous,
@@ -272,7 +308,10 @@ impl<'a> Tree<'a> {
         let made = Joint { limits, damping, friction, ..Joint::new(parent, kind, anchor.into(), axis.into()) };
         let number = self.urdf.links.len();
         self.urdf.links.push(Link { name: joint.name.clone(), joint: Some(made), ..Link::default() });
-        if kind == JointKind::Continuous {
+        // A joint that turns many times may be a wheel, too.
+        if kind == JointKind::Continuous
+            || kind == JointKind::Revolute && joint.limit.upper - joint.limit.lower > MANY_TURNS
+        {
             let positive = |number: f64| Some(number).filter(|number| *number > 0.0 && number.is_finite());
             self.urdf.continuous.push(Continuous {
                 joint: joint.name.clone(),
@@ -285,25 +324,68 @@ impl<'a> Tree<'a> {
         number
     }
 
+    /// Returns the limits of a joint as far as they mean something, rad or m.
+    fn limits(&mut self, joint: &urdf_rs::Joint) -> [f64; 2] {
+        let (lower, upper) = (joint.limit.lower, joint.limit.upper);
+        if !matches!(joint.joint_type, JointType::Revolute | JointType::Prismatic) {
+            return [lower, upper];
+        }
+        let (low, high) = (lower.min(upper), lower.max(upper));
+        if lower > upper {
+            self.urdf.say_of(&joint.name, format!("limits {lower} and {upper} are exchanged"));
+        }
+        let within = [low, high].map(|limit| limit.clamp(JOINT_LIMIT.least, JOINT_LIMIT.most));
+        if within != [low, high] {
+            self.urdf.say_of(&joint.name, format!("limits of {low} to {high} mean none"));
+        }
+        within
+    }
+
+    /// Couples joints that mimic others. Who mimics a follower mimics its leader.
     fn add_mimics(&mut self) {
-        for joint in &self.robot.joints {
-            let Some(mimic) = &joint.mimic else { continue };
+        let robot = self.robot;
+        let mimic_of = |name: &str| {
+            let joint = robot.joints.iter().find(|joint| joint.name == name)?;
+            let mimic = joint.mimic.as_ref()?;
+            Some((mimic.joint.as_str(), mimic.multiplier.unwrap_or(1.0), mimic.offset.unwrap_or(0.0)))
+        };
+        for joint in &robot.joints {
+            let Some((mut leader, mut multiplier, mut offset)) = mimic_of(&joint.name) else { continue };
             let number = |name: &str| self.urdf.links.iter().position(|link| link.name == name);
             let Some(follower) = number(&joint.name) else { continue };
-            let Some(leader) = number(&mimic.joint) else {
-                let message = format!("joint {}: it mimics {}: expected a joint that moves", joint.name, mimic.joint);
-                self.wrong.push((self.place("joint", &joint.name), message));
-                continue;
+            let mut length = 0;
+            while let Some((next, own_multiplier, own_offset)) =
+                mimic_of(leader).filter(|_| length <= robot.joints.len())
+            {
+                (offset, multiplier) = (offset + multiplier * own_offset, multiplier * own_multiplier);
+                (leader, length) = (next, length + 1);
+            }
+            let held = match number(leader) {
+                _ if length > robot.joints.len() => Some("they mimic each other in a circle"),
+                Some(leader) if leader == follower => Some("it mimics itself"),
+                Some(leader) => {
+                    if let Some(joint) = &mut self.urdf.links[follower].joint {
+                        joint.coupling = Some(Coupling { leader, multiplier, offset, kind: CouplingKind::Mimic });
+                    }
+                    None
+                }
+                None if robot.joints.iter().any(|joint| joint.name == leader) => Some("its leader does not move"),
+                None => Some("its leader is not there"),
             };
-            let (multiplier, offset) = (mimic.multiplier.unwrap_or(1.0), mimic.offset.unwrap_or(0.0));
-            if let Some(joint) = &mut self.urdf.links[follower].joint {
-                joint.coupling = Some(Coupling { leader, multiplier, offset, kind: CouplingKind::Mimic });
+            if let Some(why) = held {
+                self.urdf.assumptions.push(format!("joint {} mimics {leader}: it is held, as {why}", joint.name));
+                if let Some(joint) = &mut self.urdf.links[follower].joint {
+                    (joint.kind, joint.limits) = (JointKind::Fixed, None);
+                }
             }
         }
     }
 
-    /// Adds a servo to every joint with an effort and a speed; joints without them swing freely.
+    /// Adds a servo to every joint with an effort; joints without one swing freely. Numbers that mean none are lowered.
     fn add_servos(&mut self) {
+        let mass: f64 = self.urdf.links.iter().map(|link| link.mass().mass).sum();
+        // As much as lifts the robot many times at an arm of a metre.
+        let most_torque = (limits::MAX_PUSH * limits::EARTH_GRAVITY * mass.max(1.0)).min(limits::MAX_TORQUE.most);
         for number in 1..self.urdf.links.len() {
             let links = &self.urdf.links;
             let Some(joint) = links[number].joint.as_ref().filter(|joint| joint.coupling.is_none()) else { continue };
@@ -311,22 +393,39 @@ impl<'a> Tree<'a> {
             let Some(limit) = self.robot.joints.iter().find(|it| &it.name == name).map(|it| &it.limit) else {
                 continue;
             };
-            if !(limit.effort > 0.0 && limit.velocity > 0.0 && joint.kind.has_value()) {
+            let is_many_turns = self.urdf.continuous.iter().any(|it| it.link == number);
+            if !joint.kind.has_value() {
                 continue;
             }
-            let (max_speed, max_torque) = (limit.velocity, limit.effort);
-            let inertia = inertia_beyond(links, number);
-            let motor = if joint.kind == JointKind::Continuous {
-                let gain = max_torque / (FULL_TORQUE_LAG * max_speed);
-                Motor { max_speed, gain, max_torque, stiffness: None, integral_time: None, armature: 0.0 }
-            } else {
-                let stiffness = max_torque / FULL_TORQUE_ERROR;
-                // Critical damping, without overshoot.
-                let gain = 2.0 * (stiffness * inertia).sqrt();
-                Motor { max_speed, gain, max_torque, stiffness: Some(stiffness), integral_time: None, armature: 0.0 }
+            let name = name.clone();
+            if limit.effort == 0.0 {
+                if !is_many_turns {
+                    self.urdf.say_of(&name, FREE);
+                }
+                continue;
+            }
+            let mut said = Vec::new();
+            // Below zero, too, a number means none.
+            let mut lowered = |what: &str, given: f64, usual: Option<f64>, most: f64| match (given, usual) {
+                (0.0, Some(usual)) => {
+                    said.push(format!("{what} 0 is taken as {usual}"));
+                    usual
+                }
+                _ if (0.0..=most).contains(&given) => given,
+                _ => {
+                    said.push(format!("{what} {given} is taken as {most:.0}"));
+                    most
+                }
             };
+            let max_speed = lowered("velocity", limit.velocity, Some(JOINT_SPEED), limits::MAX_SPEED.most);
+            let max_torque = lowered("effort", limit.effort, None, most_torque);
+            // Wheels have numbers of their own.
+            let (kind, inertia) = (joint.kind, inertia_beyond(links, number));
+            if !said.is_empty() && !is_many_turns {
+                self.urdf.say_of(&name, format!("{}, as no robot has that", said.join(", ")));
+            }
             if let Some(joint) = &mut self.urdf.links[number].joint {
-                joint.drive = Some(motor);
+                joint.drive = Some(servo(kind, max_speed, max_torque, inertia));
             }
         }
     }
@@ -342,8 +441,20 @@ impl<'a> Tree<'a> {
     }
 }
 
+/// Returns a servo of speed for a joint without an end, and one of position for any other.
+pub(crate) fn servo(kind: JointKind, max_speed: f64, max_torque: f64, inertia: f64) -> Motor {
+    let motor = Motor { max_speed, gain: 0.0, max_torque, stiffness: None, integral_time: None, armature: 0.0 };
+    if kind == JointKind::Continuous {
+        return Motor { gain: max_torque / (FULL_TORQUE_LAG * max_speed), ..motor };
+    }
+    let stiffness = (max_torque / FULL_TORQUE_ERROR).min(limits::STIFFNESS.most);
+    // Critical damping, without overshoot.
+    let gain = (2.0 * (stiffness * inertia).sqrt()).clamp(limits::GAIN.least, limits::GAIN.most);
+    Motor { gain, stiffness: Some(stiffness), ..motor }
+}
+
 /// Returns the inertia about a joint's axis of everything it carries, kg m²; for a slide the mass, kg.
-fn inertia_beyond(links: &[Link], joint: usize) -> f64 {
+pub(crate) fn inertia_beyond(links: &[Link], joint: usize) -> f64 {
     let Some(axis) = &links[joint].joint else { return 0.0 };
     let (direction, anchor) = (Vector3::from(axis.axis), Vector3::from(axis.anchor));
     let mut hangs = vec![false; links.len()];

@@ -2,5 +2,6 @@
 
 mod documented;
 mod equipment;
+mod of_others;
 mod suiting;
 mod visuals;

@@ -4,8 +4,10 @@ mod xacro;
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
 use names::count;
-use scene_loader::{Content, Import, Imported, LoadError, Packages};
+use scene::{MountedWheel, RobotDef, Steering};
+use scene_loader::{Content, Import, Imported, LoadError, Packages, WheelDrive};
 use serde_json::json;
 
 use crate::output::{failed, fill_new_folder};
@@ -30,9 +32,37 @@ pub(crate) struct Arguments {
     /// Folder of a package that is not found. May be given several times.
     #[arg(long = "package", value_name = "NAME=FOLDER", value_parser = package)]
     packages: Vec<(String, PathBuf)>,
+    /// Joints of the driven wheels, if the guess is wrong: names with commas between them.
+    #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
+    wheels: Vec<String>,
+    /// Drive of the wheels, if the guess is wrong.
+    #[arg(long, value_enum)]
+    drive: Option<DriveChoice>,
     /// Print the result as JSON.
     #[arg(long)]
     json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum DriveChoice {
+    /// Four Mecanum wheels, which also go sideways.
+    Mecanum,
+    /// Left and right wheels at speeds of their own.
+    Skid,
+    /// Two driven wheels and casters.
+    Differential,
+    /// Steered wheels.
+    Car,
+}
+
+impl From<DriveChoice> for WheelDrive {
+    fn from(choice: DriveChoice) -> Self {
+        match choice {
+            DriveChoice::Mecanum => Self::Mecanum,
+            DriveChoice::Skid | DriveChoice::Differential => Self::Sides,
+            DriveChoice::Car => Self::Car,
+        }
+    }
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -43,7 +73,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::new(exit::FAILURE, message));
     }
     let bad = |error: LoadError| Failure::new(exit::BAD_DATA, error);
-    let mut text = scene_loader::text(file).map_err(bad)?;
+    let mut text = scene_loader::xml_text(file).map_err(bad)?;
     let packages = Packages::around(file, &arguments.packages, &searched_folders()).map_err(bad)?;
     let mut missing = Vec::new();
     if xacro::is_needed(file, &text) {
@@ -52,7 +82,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let message = format_args!("{argument}: {} is a URDF: expected arguments of a xacro file only", file.display());
         return Err(Failure::new(exit::USAGE, message));
     }
-    let mut imported = scene_loader::import(&Import { file, text: &text, class, packages: &packages }).map_err(bad)?;
+    let (wheels, drive) = (&arguments.wheels, arguments.drive.map(WheelDrive::from));
+    let import = Import { file, text: &text, class, packages: &packages, wheels, drive };
+    let mut imported = scene_loader::import(&import).map_err(bad)?;
     let unfound = |name: &String| {
         format!(
             "package `{name}` is not found, so its files are not included: name its folder by --package {name}=FOLDER"
@@ -131,10 +163,29 @@ fn say(folder: &Path, imported: &Imported) {
     let (wheels, casters) = (count(driven, "driven wheel"), count(casters, "caster"));
     let (class, mass, joints) = (&robot.class, robot.mass(), count(joints, "joint"));
     print(format_args!("{class}: {}, {mass:.1} kg, {wheels}, {casters}, {joints}", steering(imported)));
+    print(format_args!("drives: {}", drives(robot)));
+    let notes = [(guessed, "guessed"), (replaced, "replaced"), (left_out, "left out")];
+    let notes: Vec<String> = notes.iter().map(|(notes, what)| format!("{} {what}", notes.len())).collect();
+    print(format_args!("notes: {}, above; --wheels and --drive say what the guess has wrong", notes.join(", ")));
+}
+
+/// Returns how a robot moves, in words.
+fn drives(robot: &RobotDef) -> String {
+    let rim = |wheel: MountedWheel| wheel.drive.map_or(0.0, |motor| motor.max_speed * wheel.radius);
+    let speed = robot.driven().map(rim).fold(f64::INFINITY, f64::min);
+    let wheels = || names::listed(robot.driven().map(|wheel| wheel.name));
+    match robot.steering {
+        Steering::Skid => format!("left and right, up to {speed:.2} m/s, by {}", wheels()),
+        Steering::Omni => format!("to all sides on Mecanum wheels, up to {speed:.2} m/s ahead, by {}", wheels()),
+        Steering::Ackermann => format!("as a car, up to {speed:.2} m/s, by {}", wheels()),
+        Steering::Aerial => "it flies".to_owned(),
+        Steering::Legged => "it stands on legs; its joints move".to_owned(),
+        Steering::None => "not at all: it is fixed to the ground".to_owned(),
+    }
 }
 
 fn steering(Imported { robot, .. }: &Imported) -> &'static str {
-    scene::Steering::ALL.iter().find(|(_, it)| *it == robot.steering).map_or("none", |(name, _)| name)
+    Steering::ALL.iter().find(|(_, it)| *it == robot.steering).map_or("none", |(name, _)| name)
 }
 
 fn as_json(class: &str, imported: &Imported) -> serde_json::Value {

@@ -1,11 +1,12 @@
 //! `usarsim import-map`: makes the folder of a map from a file of another program.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use names::count;
 use scene::{MapDef, Shape};
-use scene_loader::{ImportedMap, ImportedSolid, MapImport};
+use scene_loader::{ImportedMap, ImportedSolid, LoadError, MapImport};
 use serde_json::json;
 use sim_core::{Options, World};
 
@@ -19,8 +20,8 @@ use crate::{Failure, exit, print};
     after_help = "Examples:\n  usarsim import-map building.glb --name building --material 'wall*=plywood' --material 'floor*=carpet'\n  \
     usarsim import-map scan.stl --name scan --scale 0.001 --floor\n  \
     usarsim import-map gazebo.world --name office && usarsim serve --map office\n\n\
-    Objects of a mesh become [[mesh]] tables, or [[box]] if they are boxes. Of SDF it takes the colliding shapes; included models \
-    have to be in folders beside the file, and lights are left out. Files are z up; glTF is y up."
+    Objects of a mesh become [[mesh]] tables, or [[box]] if they are boxes. Of SDF it takes the colliding shapes with their \
+    friction; lights, plugins and models that are not found are left out and listed. Files are z up; glTF is y up."
 )]
 pub(crate) struct Arguments {
     /// A .sdf, .world, .glb, .gltf, .obj, .stl or .dae file.
@@ -39,9 +40,47 @@ pub(crate) struct Arguments {
     /// Add a plane below everything.
     #[arg(long)]
     floor: bool,
+    /// Folder with models of Gazebo. May be given several times. Models are also looked for beside FILE, in the folders above, in
+    /// GZ_SIM_RESOURCE_PATH, GAZEBO_MODEL_PATH and the like, and in Gazebo's own folders in the home folder.
+    #[arg(long, value_name = "DIR")]
+    models: Vec<PathBuf>,
+    /// Refuse the file if a model or mesh is not there. By default it is left out, and listed.
+    #[arg(long)]
+    strict: bool,
     /// Print what was made as JSON.
     #[arg(long)]
     json: bool,
+}
+
+/// Variables with folders of models: those of gz-sim, of its predecessor, of Gazebo Classic and of SDF's library.
+const VARIABLES: [&str; 6] = [
+    "GZ_SIM_RESOURCE_PATH",
+    "IGN_GAZEBO_RESOURCE_PATH",
+    "GAZEBO_MODEL_PATH",
+    "GAZEBO_RESOURCE_PATH",
+    "SDF_PATH",
+    "GZ_FILE_PATH",
+];
+/// Folders of models in the home folder: Gazebo Classic's, and the caches of Fuel by owner.
+const OF_CLASSIC: &str = ".gazebo/models";
+const OF_FUEL: [&str; 2] = [".gz/fuel/fuel.gazebosim.org", ".ignition/fuel/fuel.ignitionrobotics.org"];
+
+/// Lists the folders in which models are looked for: the named ones, those of variables, and Gazebo's own.
+fn folders_of_models(named: &[PathBuf]) -> Vec<PathBuf> {
+    let of_variable =
+        |name: &&str| std::env::var_os(name).map(|paths| std::env::split_paths(&paths).collect::<Vec<_>>());
+    let of_variables =
+        VARIABLES.iter().filter_map(of_variable).flatten().filter(|folder| !folder.as_os_str().is_empty());
+    let mut folders: Vec<PathBuf> = named.iter().cloned().chain(of_variables).collect();
+    if let Some(home) = std::env::var_os("HOME").map(PathBuf::from) {
+        folders.push(home.join(OF_CLASSIC));
+        let owners =
+            OF_FUEL.iter().flat_map(|cache| std::fs::read_dir(home.join(cache)).into_iter().flatten().flatten());
+        let mut owners: Vec<PathBuf> = owners.map(|owner| owner.path()).take(100).collect();
+        owners.sort();
+        folders.extend(owners);
+    }
+    folders
 }
 
 /// Start poses that are looked for; clients ask for them by name.
@@ -72,11 +111,28 @@ fn scale(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { file, name, material, scale, floor, json } = arguments;
-    let made = scene_loader::import_map(&MapImport { file, scale: *scale, materials: material, floor: *floor });
-    let made = made.map_err(|error| Failure::new(exit::BAD_DATA, error))?;
+    let Arguments { file, name, material, scale, floor, models, strict, json } = arguments;
+    let models = folders_of_models(models);
+    let import =
+        MapImport { file, scale: *scale, materials: material, floor: *floor, models: &models, is_strict: *strict };
+    let bad = |error: LoadError| Failure::new(exit::BAD_DATA, error);
+    let mut made = scene_loader::import_map(&import).map_err(bad)?;
     let folder = Path::new(name);
-    let starts = fill_new_folder(folder, || fill(folder, &made))?;
+    let (starts, size) = fill_new_folder(folder, || {
+        let (mut starts, mut size) = fill(folder, &made)?;
+        if starts.is_empty() && !floor && is_world(file) {
+            made = scene_loader::import_map(&MapImport { floor: true, ..import }).map_err(bad)?;
+            made.notes.push(
+                "a floor is added below everything, as there is no place on which a robot could stand".to_owned(),
+            );
+            (starts, size) = fill(folder, &made)?;
+        }
+        if starts.is_empty() {
+            let hint = "no place on which a robot could stand: expected a floor. --floor adds one, --scale turns other units into metres";
+            return Err(Failure::new(exit::BAD_DATA, hint));
+        }
+        Ok((starts, size))
+    })?;
     if *json {
         let solid = |it: &ImportedSolid| {
             let ImportedSolid { name, kind, material, triangles, is_movable } = it;
@@ -85,6 +141,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let starts = starts.iter().map(|(name, place)| json!({"name": name, "position": place}));
         print(json!({
             "map": folder.join("map.toml"),
+            "size": size,
             "solids": made.solids.iter().map(solid).collect::<Vec<_>>(),
             "starts": starts.collect::<Vec<_>>(),
             "notes": made.notes,
@@ -100,12 +157,38 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     for (name, [x, y, z]) in &starts {
         print(format_args!("{name}: at {x}, {y}, {z}"));
     }
-    print(format_args!("{} ({})", folder.join("map.toml").display(), count(made.solids.len(), "solid")));
+    verdict(name, &made, size);
     Ok(())
 }
 
-/// Writes the files of a map into its new folder, with the start poses that are free. Returns these.
-fn fill(folder: &Path, made: &ImportedMap) -> Result<Vec<(&'static str, [f64; 3])>, Failure> {
+/// Says in three lines what the map is, how it touches, and what was left out.
+fn verdict(name: &str, made: &ImportedMap, [x, y, z]: [f64; 3]) {
+    let pushed = made.solids.iter().filter(|solid| solid.is_movable).count();
+    let pushed = if pushed == 0 { "none can be pushed".to_owned() } else { format!("{pushed} can be pushed") };
+    print(format_args!("{name}: {} over {x:.1} x {y:.1} x {z:.1} m, {pushed}", count(made.solids.len(), "solid")));
+    let mut materials = BTreeMap::<&str, usize>::new();
+    made.solids.iter().for_each(|solid| *materials.entry(&solid.material).or_default() += 1);
+    let materials: Vec<String> = materials.iter().map(|(name, count)| format!("{count} of {name}")).collect();
+    print(format_args!(
+        "materials: {}; --material 'PATTERN=MATERIAL' changes them",
+        names::listed(materials.iter().map(String::as_str))
+    ));
+    match made.notes.len() {
+        0 => print("nothing is left out"),
+        notes => print(format_args!("left out or changed: {}, above", count(notes, "note"))),
+    }
+}
+
+/// True for a world or model of Gazebo, which may have no floor.
+fn is_world(file: &Path) -> bool {
+    file.extension().is_some_and(|ending| ["sdf", "world"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
+}
+
+/// Start poses by name.
+type Starts = Vec<(&'static str, [f64; 3])>;
+
+/// Writes the files of a map into its new folder, with the start poses that are free. Returns these, and the map's extent along its axes, m.
+fn fill(folder: &Path, made: &ImportedMap) -> Result<(Starts, [f64; 3]), Failure> {
     for (file, content) in &made.meshes {
         write(&folder.join(file), content)?;
     }
@@ -120,23 +203,21 @@ fn fill(folder: &Path, made: &ImportedMap) -> Result<Vec<(&'static str, [f64; 3]
     write(map, text(&[(STARTS[0], [0.0; 3])]).as_bytes())?;
     let def = scene_loader::load(&folder.display().to_string(), &[]);
     let mut world = World::new(def.map_err(|error| Failure::new(exit::BAD_DATA, error))?, Options::default());
-    let starts = free_places(&mut world)?;
-    if starts.is_empty() {
-        let hint = "no place on which a robot could stand: expected a floor. --floor adds one, --scale turns other units into metres";
-        return Err(Failure::new(exit::BAD_DATA, hint));
+    let points = picture::corners_of_map(&world.def().map);
+    let ends = [0, 1, 2].map(|axis| {
+        let places = points.iter().map(|point| point[axis]);
+        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], at| [least.min(at), most.max(at)])
+    });
+    let starts = free_places(&mut world, ends);
+    if !starts.is_empty() {
+        write(map, text(&starts).as_bytes())?;
     }
-    write(map, text(&starts).as_bytes())?;
-    Ok(starts)
+    Ok((starts, ends.map(|[least, most]| (most - least).max(0.0))))
 }
 
 /// Returns free places, the nearest to the middle first, each with the name of a start pose.
-fn free_places(world: &mut World) -> Result<Vec<(&'static str, [f64; 3])>, Failure> {
-    let points = picture::corners_of_map(&world.def().map);
-    let ends = |axis: usize| {
-        let places = points.iter().map(|point| point[axis]);
-        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], at| [least.min(at), most.max(at)])
-    };
-    let [x, y, [_, lowest]] = [0, 1, 2].map(ends);
+fn free_places(world: &mut World, ends: [[f64; 2]; 3]) -> Starts {
+    let [x, y, [_, lowest]] = ends;
     let middle = [x, y].map(|[least, most]| (least + most) / 2.0);
     let near = triangles_near(&world.def().map, middle);
     let all = (-RINGS..=RINGS).flat_map(|row| (-RINGS..=RINGS).map(move |column| [row, column]));
@@ -148,16 +229,11 @@ fn free_places(world: &mut World) -> Result<Vec<(&'static str, [f64; 3])>, Failu
     let mut free: Vec<[f64; 3]> = Vec::new();
     let mut work = 0;
     for (tried, place) in places.into_iter().enumerate() {
-        work += near[cell(place)];
-        if tried > 0 && work > MAX_NEAR {
-            if free.is_empty() {
-                let message = format_args!(
-                    "no place on which a robot could stand among the first {tried}: got {work} triangles near them, expected at most {MAX_NEAR}"
-                );
-                return Err(Failure::new(exit::BAD_DATA, message));
-            }
-            break;
+        // A place below or above too much is left out; one without anything near costs nothing.
+        if tried > 0 && work + near[cell(place)] > MAX_NEAR {
+            continue;
         }
+        work += near[cell(place)];
         let [x, y] = [0, 1].map(|axis| middle[axis] + STEP * f64::from(place[axis]));
         // A robot below everything is lifted onto the lowest floor.
         let Some(pose) = world.free_pose(CLASS, [x, y, lowest], [0.0; 3]) else { continue };
@@ -168,7 +244,7 @@ fn free_places(world: &mut World) -> Result<Vec<(&'static str, [f64; 3])>, Failu
             break;
         }
     }
-    Ok(STARTS.into_iter().zip(free).collect())
+    STARTS.into_iter().zip(free).collect()
 }
 
 /// Number of cells along an edge of the square of places.

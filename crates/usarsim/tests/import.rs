@@ -275,8 +275,15 @@ fn variant(urdf: &str) -> Result<Imported, String> {
     let file = package.join("urdf/robot.urdf");
     std::fs::write(&file, urdf).expect("a file");
     let packages = Packages::around(&file, &[], &[]).map_err(|error| error.to_string())?;
-    let imported = scene_loader::import(&Import { file: &file, text: urdf, class: "Variant", packages: &packages })
-        .map_err(|error| error.to_string())?;
+    let imported = scene_loader::import(&Import {
+        file: &file,
+        text: urdf,
+        class: "Variant",
+        packages: &packages,
+        wheels: &[],
+        drive: None,
+    })
+    .map_err(|error| error.to_string())?;
     let made = folder.path().join("Variant");
     std::fs::create_dir_all(made.join("meshes")).expect("a folder");
     for (name, content) in &imported.files {

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use crate::LoadError;
-use crate::source::Source;
+use crate::source::{MAX_TEXT, Source};
+use crate::xml;
 
 /// Maximum number of folders between a file and the folder of its package.
 const MAX_LEVELS: usize = 8;
@@ -14,6 +15,8 @@ const SEARCHED_ABOVE: usize = 2;
 const MAX_DEPTH: usize = 3;
 /// Maximum number of files and folders that are looked at.
 const MAX_ENTRIES: usize = 20_000;
+/// Maximum number of elements, attributes and texts of a manifest.
+const MAX_NODES: u32 = 10_000;
 /// File that makes a folder a package.
 const MANIFEST: &str = "package.xml";
 
@@ -113,8 +116,8 @@ impl Search {
 
 /// Returns the name in a package's manifest.
 fn name_of(folder: &Path) -> Option<String> {
-    let text = Source::Folder(folder.to_owned()).text(MANIFEST).ok()?;
-    let document = roxmltree::Document::parse(&text).ok()?;
+    let text = Source::Folder(folder.to_owned()).xml(MANIFEST, MAX_TEXT).ok()?;
+    let document = xml::parse(&text, MAX_NODES).ok()?;
     let name = document.root_element().children().find(|node| node.has_tag_name("name"))?;
     name.text().map(|name| name.trim().to_owned()).filter(|name| !name.is_empty())
 }

@@ -13,6 +13,8 @@ use crate::urdf::{isometry, z_down};
 /// Maximum number of sensors, and of beams of a laser.
 const MAX_SENSORS: usize = 12;
 const MAX_BEAMS: f64 = 1441.0;
+/// Rotation units of the wire in a radian.
+const UNITS: f64 = 65_536.0 / TAU;
 /// Range of the time between two readings, s.
 const INTERVALS: [f64; 2] = [0.02, 10.0];
 
@@ -65,15 +67,16 @@ fn read(node: Node, kind: &str, link: &str, robot: &urdf_rs::Robot, def: &RobotD
         };
         let (from, to) = of_scan("min_angle").zip(of_scan("max_angle")).ok_or("no angles of its scan")?;
         let fan = (to - from).clamp(0.0, TAU);
-        let beams = of_scan("samples").unwrap_or(MAX_BEAMS).clamp(2.0, MAX_BEAMS);
+        let beams = of_scan("samples").unwrap_or(MAX_BEAMS).clamp(1.0, MAX_BEAMS).floor();
         yaw = (from + to) / 2.0;
         let range = node.descendants().find(|node| node.has_tag_name("range")).ok_or("no <range>")?;
         for (key, tag) in [("min_range", "min"), ("max_range", "max")] {
             let text = range.children().find(|node| node.has_tag_name(tag)).and_then(|node| node.text());
             set(key, text.and_then(|text| text.trim().parse().ok()).ok_or_else(|| format!("no <{tag}> of its range"))?);
         }
+        let (fan, resolution) = in_units(fan, beams);
         set("field_of_view", fan);
-        set("resolution", fan / (beams - 1.0));
+        set("resolution", resolution);
         "RangeScanner"
     } else if kind.contains("camera") || kind == "depth" {
         let view = number("horizontal_fov").ok_or("no <horizontal_fov>")?;
@@ -102,6 +105,23 @@ fn read(node: Node, kind: &str, link: &str, robot: &urdf_rs::Robot, def: &RobotD
         Some(wrong) => Err(wrong),
         None => Ok(Sensor { class, settings, def }),
     }
+}
+
+/// Returns the angle of a fan of so many beams, and that between two, rad. The wire counts angles in whole rotation units, so the fan may be a
+/// little narrower than it is wanted; a single beam is in its middle.
+fn in_units(fan: f64, beams: f64) -> (f64, f64) {
+    let gaps = beams - 1.0;
+    let mut resolution = (fan * UNITS / gaps).floor();
+    if gaps < 1.0 || resolution < 1.0 {
+        return (0.0, 1.0);
+    }
+    // Half of the fan is a whole number, too, and in 32 bits a little more than its beams need, so that none is lost.
+    let needed = |resolution: f64| 2.0 * ((resolution * gaps / 2.0).floor() + 1.0);
+    if needed(resolution) >= TAU * UNITS && resolution > 1.0 {
+        resolution -= 1.0;
+    }
+    // A quarter of a unit keeps rounding away.
+    [needed(resolution), resolution].map(|units| (units + 0.25) / UNITS).into()
 }
 
 /// Returns the joint that carries a link of a URDF, none if it belongs to the body, and its pose in the URDF's axes.

@@ -1,33 +1,35 @@
 //! SDF of Gazebo: the colliding shapes of a world's models. It is z up, as URDF, and turned at the end of [`Reader::collision`].
+//!
+//! What the file says of shapes, poses, frames and surfaces is followed. What is not followed is a note, once for each kind, with a count.
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use roxmltree::{Document, Node, ParsingOptions};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use roxmltree::Node;
 use scene::check::MAX_SOLIDS;
-use scene::{Pose, Shape};
+use scene::{Geographic, Pose, Shape};
 
-use super::{Budget, FoundObject, Geometry};
+use super::frames::{self, FrameError, Frames};
+use super::models::{Models, WellKnown, well_known};
+use super::{Budget, FoundObject, Geometry, Touch, solids};
 use crate::LoadError;
-use crate::mesh;
+use crate::mesh::{self, Piece};
 use crate::problem::Problems;
-use crate::source::Source;
-use crate::urdf::{mesh_file, z_down};
+use crate::source::{MAX_TEXT, Source};
+use crate::urdf::z_down;
+use crate::xml;
 
 /// Maximum number of elements, attributes and texts of a file.
 const MAX_NODES: u32 = 500_000;
-/// Maximum number of namespace declarations: the XML library copies them to every element that declares one more.
-const MAX_NAMESPACES: usize = 100;
 /// Maximum nesting of models, and of files that include each other.
 const MAX_DEPTH: usize = 16;
 /// Maximum number of included files: files that include each other twice would be read without end.
 const MAX_INCLUDED: usize = 1000;
-/// Elements that say nothing about shapes.
+/// Elements that say nothing about shapes, or are read elsewhere.
 const SILENT: [&str; 24] = [
     "physics",
     "scene",
     "gui",
-    "plugin",
     "gravity",
     "magnetic_field",
     "atmosphere",
@@ -48,26 +50,78 @@ const SILENT: [&str; 24] = [
     "enable_wind",
     "allow_auto_disable",
     "wind",
+    "state",
 ];
 
-/// Reads the objects of a file. Returns them, and notes on what is left out.
+/// Contents of a file.
+#[derive(Default)]
+pub(super) struct Found {
+    pub(super) objects: Vec<FoundObject>,
+    /// Parts that are left out or changed, in words.
+    pub(super) notes: Vec<String>,
+    /// Gravity, m/s², if the file says it.
+    pub(super) gravity: Option<f64>,
+    /// Place on earth, if the file says it.
+    pub(super) origin: Option<Geographic>,
+}
+
+/// Reads the objects of a file. With `is_strict` a model or mesh that is not there is a problem; otherwise it is left out.
 pub(super) fn read(
     source: &Source,
     file: &str,
+    models: Models,
+    is_strict: bool,
     problems: &mut Problems,
-) -> Result<(Vec<FoundObject>, Vec<String>), LoadError> {
-    let (found, left_out, triangles) = (Vec::new(), BTreeMap::new(), Budget::default());
-    let mut reader = Reader { problems, found, left_out, triangles, included: 0 };
-    reader.file(source, file, &Isometry3::identity(), None, 0)?;
-    let Reader { found, left_out, .. } = reader;
-    Ok((found, left_out.into_iter().map(|(what, count)| format!("{count} of {what} left out")).collect()))
+) -> Result<Found, LoadError> {
+    let mut reader = Reader {
+        problems,
+        models,
+        is_strict,
+        found: Found::default(),
+        notes: BTreeMap::new(),
+        missing: BTreeMap::new(),
+        robots: Vec::new(),
+        triangles: Budget::default(),
+        included: 0,
+    };
+    reader.file(source, file, &Included::default(), 0)?;
+    let Reader { mut found, notes, missing, robots, .. } = reader;
+    if !missing.is_empty() {
+        let listed: Vec<String> = missing.iter().map(|(uri, count)| counted(&format!("`{uri}`"), *count)).collect();
+        let hint = "name their folders by --models, GZ_SIM_RESOURCE_PATH or GAZEBO_MODEL_PATH";
+        found.notes.push(format!("left out, as they are not there: {}: {hint}", shortened(&listed)));
+    }
+    if !robots.is_empty() {
+        let names = shortened(&robots);
+        found.notes.push(format!("models with joints stand fast, and may be robots for `usarsim import`: {names}"));
+    }
+    found.notes.extend(notes.into_iter().map(|(what, count)| counted(&what, count)));
+    Ok(found)
+}
+
+fn counted(what: &str, count: usize) -> String {
+    if count == 1 { what.to_owned() } else { format!("{what} ({count} times)") }
+}
+
+/// Joins a list, of which the first twenty are shown.
+fn shortened(list: &[String]) -> String {
+    const SHOWN: usize = 20;
+    let more = list.len().saturating_sub(SHOWN);
+    let more = if more == 0 { String::new() } else { format!(" and {more} more") };
+    format!("{}{more}", list[..list.len().min(SHOWN)].join(", "))
 }
 
 struct Reader<'p> {
     problems: &'p mut Problems,
-    found: Vec<FoundObject>,
-    /// Counts of what is left out.
-    left_out: BTreeMap<String, usize>,
+    models: Models<'p>,
+    is_strict: bool,
+    found: Found,
+    /// Counts of what is left out or changed.
+    notes: BTreeMap<String, usize>,
+    /// Addresses of models and meshes that are not there, with their counts.
+    missing: BTreeMap<String, usize>,
+    /// Models with joints that move.
+    robots: Vec<String>,
     triangles: Budget,
     /// Number of included files.
     included: usize,
@@ -83,49 +137,95 @@ struct Place<'a> {
     depth: usize,
 }
 
+/// Settings of a model by whoever includes it; what is `None` is the model's own.
+#[derive(Default)]
+struct Included {
+    /// Pose of what is around it.
+    parent: Isometry3<f64>,
+    pose: Option<Isometry3<f64>>,
+    name: Option<String>,
+    is_static: Option<bool>,
+    /// Frame of the model that the pose places.
+    placed: Option<String>,
+}
+
 impl Reader<'_> {
-    /// Reads the worlds and models of a file at a pose. `name` replaces that of its model.
-    fn file(
-        &mut self,
-        source: &Source,
-        file: &str,
-        pose: &Isometry3<f64>,
-        name: Option<&str>,
-        depth: usize,
-    ) -> Result<(), LoadError> {
-        let (text, shown) = (source.text(file)?, source.display(file));
+    /// Reads the worlds and models of a file.
+    fn file(&mut self, source: &Source, file: &str, included: &Included, depth: usize) -> Result<(), LoadError> {
+        let (text, shown) = (source.xml(file, MAX_TEXT)?, source.display(file));
         let unreadable = |reason: String| LoadError::Unreadable { file: shown.clone(), reason };
-        let namespaces = text.matches("xmlns").count();
-        if namespaces > MAX_NAMESPACES {
-            return Err(unreadable(format!("{namespaces} namespaces: expected at most {MAX_NAMESPACES}")));
-        }
-        let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
-        let document = Document::parse_with_options(&text, options);
-        let document = document.map_err(|error| unreadable(format!("not XML: {error}")))?;
+        let document = xml::parse(&text, MAX_NODES).map_err(|error| unreadable(error.to_string()))?;
         let root = document.root_element();
-        if root.tag_name().name() != "sdf" {
+        // Files of Gazebo's first years.
+        if !["sdf", "gazebo"].contains(&root.tag_name().name()) {
             return Err(unreadable(format!("<{}>: expected <sdf>", root.tag_name().name())));
         }
         let place = Place { source, shown: &shown, text: &text, depth };
         for world in children(root, "world") {
-            self.models(place, world, pose, "")?;
+            self.world(place, world)?;
         }
         for model in children(root, "model") {
-            self.model(place, model, pose, name, "")?;
+            self.model(place, model, &Frames::of(root), included, "", &BTreeMap::new())?;
         }
         Ok(())
+    }
+
+    fn world(&mut self, place: Place, world: Node) -> Result<(), LoadError> {
+        if let Some([x, y, z]) = child(world, "gravity").and_then(|it| numbers(it.text()?)) {
+            let is_down = x == 0.0 && y == 0.0 && z <= 0.0;
+            if is_down {
+                self.found.gravity = Some(-z);
+            } else {
+                self.note(format!("gravity of {x} {y} {z}: it points down here"));
+            }
+        }
+        if let Some(place) = child(world, "spherical_coordinates") {
+            let [latitude, longitude] = ["latitude_deg", "longitude_deg"].map(|key| number_of(place, key));
+            self.found.origin = latitude.zip(longitude).map(|(latitude, longitude)| Geographic { latitude, longitude });
+        }
+        // A world that was saved has the poses of its models at that time beside those at the start.
+        let state = children(world, "state").flat_map(|state| children(state, "model"));
+        let poses = state.filter_map(|model| Some((model.attribute("name")?.to_owned(), frames::pose(model).ok()?)));
+        let poses: BTreeMap<String, Isometry3<f64>> = poses.collect();
+        self.models(place, world, &Frames::of(world), &Isometry3::identity(), "", &poses)
     }
 
     fn problem(&mut self, place: Place, node: Node, message: impl std::fmt::Display) {
         self.problems.at(place.shown, place.text, node.range().start, message);
     }
 
-    fn leave_out(&mut self, what: impl Into<String>) {
-        *self.left_out.entry(what.into()).or_default() += 1;
+    fn note(&mut self, what: impl Into<String>) {
+        *self.notes.entry(what.into()).or_default() += 1;
     }
 
-    /// Reads the models inside a world or a model. `prefix` begins their names.
-    fn models(&mut self, place: Place, node: Node, pose: &Isometry3<f64>, prefix: &str) -> Result<(), LoadError> {
+    /// Notes a model or mesh that is not there.
+    fn missing(&mut self, place: Place, node: Node, uri: &str) {
+        if self.is_strict {
+            let expected =
+                "expected it beside this file, in a folder above, in one of --models or GZ_SIM_RESOURCE_PATH";
+            self.problem(place, node, format_args!("`{uri}` is not there: {expected}"));
+        }
+        *self.missing.entry(uri.to_owned()).or_default() += 1;
+    }
+
+    /// Returns a pose, or reports why there is none.
+    fn posed(&mut self, place: Place, node: Node, pose: Result<Isometry3<f64>, FrameError>) -> Isometry3<f64> {
+        pose.unwrap_or_else(|error| {
+            self.problem(place, child(node, "pose").unwrap_or(node), error);
+            Isometry3::identity()
+        })
+    }
+
+    /// Reads the models inside a world or a model. `prefix` begins their names, and `poses` are those of a saved world.
+    fn models(
+        &mut self,
+        place: Place,
+        node: Node,
+        frames: &Frames,
+        parent: &Isometry3<f64>,
+        prefix: &str,
+        poses: &BTreeMap<String, Isometry3<f64>>,
+    ) -> Result<(), LoadError> {
         if place.depth > MAX_DEPTH {
             self.problem(place, node, format_args!("expected at most {MAX_DEPTH} models inside each other"));
             return Ok(());
@@ -133,185 +233,282 @@ impl Reader<'_> {
         let inner = Place { depth: place.depth + 1, ..place };
         for child in node.children().filter(Node::is_element) {
             match child.tag_name().name() {
-                "model" => self.model(inner, child, pose, None, prefix)?,
-                "include" => self.include(inner, child, pose)?,
-                tag if !SILENT.contains(&tag) => self.leave_out(format!("<{tag}>")),
+                "model" => {
+                    let included = Included { parent: *parent, ..Included::default() };
+                    self.model(inner, child, frames, &included, prefix, poses)?;
+                }
+                "include" => self.include(inner, child, frames, parent, prefix)?,
+                tag if !SILENT.contains(&tag) => self.note(format!("<{tag}> is left out")),
                 _ => {}
             }
         }
         Ok(())
     }
 
-    fn include(&mut self, place: Place, node: Node, pose: &Isometry3<f64>) -> Result<(), LoadError> {
+    fn include(
+        &mut self,
+        place: Place,
+        node: Node,
+        frames: &Frames,
+        parent: &Isometry3<f64>,
+        prefix: &str,
+    ) -> Result<(), LoadError> {
         let uri = text_of(node, "uri");
-        let own = self.pose(place, node);
-        let name = uri.rsplit("://").next().unwrap_or(uri).trim_matches('/');
-        let folder = [name.to_owned(), format!("models/{name}"), format!("../{name}")].into_iter().find_map(|folder| {
-            let folder = place.source.folder(&folder)?;
-            folder.has("model.sdf").then_some(folder)
-        });
-        match folder {
-            Some(_) if self.included >= MAX_INCLUDED => {
+        let has_pose = child(node, "pose").is_some_and(|pose| pose.text().is_some_and(|text| !text.trim().is_empty()));
+        let pose = has_pose.then(|| self.posed(place, node, frames.pose(node)));
+        let name = Some(text_of(node, "name")).filter(|name| !name.is_empty()).map(|name| format!("{prefix}{name}"));
+        let is_static = child(node, "static").map(|node| is_true(node.text().unwrap_or_default().trim()));
+        let placed = Some(text_of(node, "placement_frame")).filter(|frame| !frame.is_empty()).map(str::to_owned);
+        let included = Included { parent: *parent, pose, name, is_static, placed };
+        if let Some((folder, file)) = self.models.find(place.source, uri) {
+            if self.included >= MAX_INCLUDED {
                 self.problem(place, node, format_args!("more than {MAX_INCLUDED} included models"));
-                Ok(())
+                return Ok(());
             }
-            Some(folder) if !name.is_empty() => {
-                self.included += 1;
-                let called = Some(text_of(node, "name")).filter(|name| !name.is_empty());
-                self.file(&folder, "model.sdf", &(pose * own), called, place.depth + 1)
-            }
-            _ => {
-                let expected = format!("expected {name}/model.sdf beside this file, or in a folder `models` there");
-                self.problem(place, node, format_args!("the included model `{uri}` is not there: {expected}"));
-                Ok(())
-            }
+            self.included += 1;
+            return match self.file(&folder, &file, &included, place.depth + 1) {
+                // What somebody else's model has wrong costs that model alone.
+                Err(error) if !self.is_strict => {
+                    self.note(format!("model `{uri}` is left out: {error}"));
+                    Ok(())
+                }
+                other => other,
+            };
         }
+        match well_known(uri) {
+            Some(WellKnown::Light) => {}
+            Some(WellKnown::Ground) => {
+                let pose = included.parent * included.pose.unwrap_or_default();
+                let name = included.name.unwrap_or_else(|| "ground_plane".to_owned());
+                let touch = Touch { friction: Some(1.0), restitution: None };
+                let ground = FoundObject::fixed(name, on_map(pose), Geometry::Plain(Shape::HalfSpace), None);
+                self.found.objects.push(FoundObject { touch, ..ground });
+            }
+            None => self.missing(place, node, uri),
+        }
+        Ok(())
     }
 
     fn model(
         &mut self,
         place: Place,
         node: Node,
-        parent: &Isometry3<f64>,
-        name: Option<&str>,
+        around: &Frames,
+        included: &Included,
         prefix: &str,
+        poses: &BTreeMap<String, Isometry3<f64>>,
     ) -> Result<(), LoadError> {
-        let pose = parent * self.pose(place, node);
-        let name = format!("{prefix}{}", name.or(node.attribute("name")).unwrap_or("model"));
+        let own_name = node.attribute("name").unwrap_or("model");
+        let name = included.name.clone().unwrap_or_else(|| format!("{prefix}{own_name}"));
+        let frames = Frames::of(node);
+        let saved = poses.get(own_name).copied();
+        let pose = match included.pose.or(saved) {
+            Some(pose) => pose,
+            None => self.posed(place, node, around.pose(node)),
+        };
+        let placed = included.placed.as_deref().or(node.attribute("placement_frame")).filter(|frame| !frame.is_empty());
+        let offset = match placed {
+            Some(frame) => self.posed(place, node, frames.named(frame)).inverse(),
+            None => Isometry3::identity(),
+        };
+        let pose = included.parent * pose * offset;
         let links: Vec<Node> = children(node, "link").collect();
         let collisions = links.iter().flat_map(|link| children(*link, "collision")).count();
-        let is_static = ["true", "1"].contains(&text_of(node, "static"));
+        let is_static = included.is_static.unwrap_or_else(|| is_true(text_of(node, "static")));
+        let moves = |joint: &Node| joint.attribute("type").is_some_and(|kind| kind != "fixed");
         let is_alone = collisions == 1 && links.len() == 1;
-        let moves = !is_static && is_alone;
-        if !is_static && !is_alone && collisions > 0 {
-            self.leave_out("mobility of models of several shapes, which stand fast,");
+        if !is_static && children(node, "joint").any(|joint| moves(&joint)) {
+            self.robots.push(name.clone());
+        } else if !is_static && !is_alone && collisions > 0 {
+            self.note("a model of several shapes stands fast, although it could move");
         }
         for link in links {
-            let at = pose * self.pose(place, link);
-            let colour = link.descendants().find(|it| it.has_tag_name("diffuse") || it.has_tag_name("ambient"));
-            let colour = colour
-                .and_then(|it| numbers::<4>(it.text()?).or(numbers::<3>(it.text()?).map(|[r, g, b]| [r, g, b, 1.0])));
-            let colour = colour.map(|[r, g, b, _]| [r, g, b]);
+            let at = pose * self.posed(place, link, frames.pose(link));
+            let colour = colour_of(link);
             let inertial = child(link, "inertial").map(|it| text_of(it, "mass"));
             let mass = inertial.and_then(|mass| mass.parse().ok()).unwrap_or(1.0);
             let own: Vec<Node> = children(link, "collision").collect();
             if own.is_empty() && children(link, "visual").next().is_some() {
-                self.leave_out("links that are only seen");
+                self.note("a link that is only seen is left out");
             }
             for collision in own {
-                let several = collisions > 1;
-                let own_name = collision.attribute("name").filter(|_| several);
+                let own_name = collision.attribute("name").filter(|_| collisions > 1);
                 let name = own_name.map_or_else(|| name.clone(), |own| format!("{name}-{own}"));
-                self.collision(place, collision, &at, name, colour, moves.then_some(mass));
+                let in_link = frames.pose_on(collision, &(pose.inverse() * at));
+                let at = pose * self.posed(place, collision, in_link);
+                self.collision(place, collision, at, name, colour, (!is_static && is_alone).then_some(mass));
             }
         }
-        self.models(place, node, &pose, &format!("{name}-"))
+        self.models(place, node, &frames, &pose, &format!("{name}-"), &BTreeMap::new())
     }
 
-    /// Adds the shape of a collision. `pose` is that of its link, z up.
+    /// Adds the shape of a collision at a pose, z up.
     fn collision(
         &mut self,
         place: Place,
         node: Node,
-        pose: &Isometry3<f64>,
+        at: Isometry3<f64>,
         name: String,
         colour: Option<[f64; 3]>,
         mass: Option<f64>,
     ) {
-        let at = pose * self.pose(place, node);
         let geometry = child(node, "geometry").and_then(|it| it.children().find(Node::is_element));
-        let Some(geometry) = geometry else {
-            return self.problem(place, node, "a collision without <geometry>");
-        };
-        if self.found.len() >= MAX_SOLIDS {
+        let Some(geometry) = geometry else { return self.note("a collision without a shape is left out") };
+        if self.found.objects.len() >= MAX_SOLIDS {
             return self.problem(place, geometry, format_args!("more than {MAX_SOLIDS} shapes"));
         }
-        // Half a turn on both sides: shapes are alike after it, and meshes are turned by their reader.
-        let placed =
-            |at: Isometry3<f64>| -> Pose { Isometry3::from_parts(Default::default(), z_down()) * at * z_down() };
-        let add = |reader: &mut Self, pose: Pose, geometry: Geometry, mass: Option<f64>| {
-            reader.found.push(FoundObject { name: name.clone(), pose, geometry, colour, mass });
-        };
-        let length = |reader: &mut Self, key: &str| {
-            let value = number_of(geometry, key);
-            if value.is_none() {
-                reader.problem(place, geometry, format_args!("missing <{key}>: expected a length in metres"));
+        let touch = self.touch(node);
+        let mut length = |key: &str| match number_of(geometry, key) {
+            Some(length) => length,
+            None => {
+                self.note(format!("a <{}> without <{key}>: 1 m, as Gazebo takes it", geometry.tag_name().name()));
+                1.0
             }
-            value
         };
-        match geometry.tag_name().name() {
-            "box" => match numbers(text_of(geometry, "size")) {
-                Some(size) => add(self, placed(at), Geometry::Plain(Shape::Box { size }), mass),
-                None => self.problem(place, geometry, "missing <size>: expected three lengths in metres"),
-            },
+        let found = match geometry.tag_name().name() {
+            "box" => {
+                let size = numbers(text_of(geometry, "size"));
+                if size.is_none() {
+                    self.note("a <box> without <size>: 1 m, as Gazebo takes it");
+                }
+                Some((at, Geometry::Plain(Shape::Box { size: size.unwrap_or([1.0; 3]) })))
+            }
             "cylinder" => {
-                if let (Some(radius), Some(length)) = (length(self, "radius"), length(self, "length")) {
-                    add(self, placed(at), Geometry::Plain(Shape::Cylinder { radius, length }), mass);
-                }
+                let (radius, length) = (length("radius"), length("length"));
+                Some((at, Geometry::Plain(Shape::Cylinder { radius, length })))
             }
-            "sphere" => {
-                if let Some(radius) = length(self, "radius") {
-                    add(self, placed(at), Geometry::Plain(Shape::Ball { radius }), mass);
+            "sphere" => Some((at, Geometry::Plain(Shape::Ball { radius: length("radius") }))),
+            "capsule" => {
+                let (radius, length) = (length("radius"), length("length"));
+                Some((at, Geometry::Mesh(solids::capsule(radius, length))))
+            }
+            "cone" => {
+                let (radius, length) = (length("radius"), length("length"));
+                Some((at, Geometry::Mesh(solids::cone(radius, length))))
+            }
+            "ellipsoid" => {
+                let radii = numbers(text_of(geometry, "radii")).unwrap_or([1.0; 3]);
+                Some((at, Geometry::Mesh(solids::ellipsoid(radii))))
+            }
+            "polyline" => {
+                let points = children(geometry, "point").map(|point| numbers(point.text().unwrap_or_default()));
+                let height = number_of(geometry, "height").unwrap_or(1.0);
+                let points = points.collect::<Option<Vec<[f64; 2]>>>();
+                let piece = points.and_then(|points| solids::prism(&points, height));
+                if piece.is_none() {
+                    self.note("a <polyline> that is no simple polygon is left out");
                 }
+                piece.map(|piece| (at, Geometry::Mesh(piece)))
             }
             "plane" => {
                 let normal = Vector3::from(numbers(text_of(geometry, "normal")).unwrap_or([0.0, 0.0, 1.0]));
                 let turn = UnitQuaternion::rotation_between(&Vector3::z(), &normal);
-                let pose = placed(at * turn.unwrap_or_else(UnitQuaternion::identity));
-                add(self, pose, Geometry::Plain(Shape::HalfSpace), None);
+                // Against z any half turn will do.
+                let turn = turn.unwrap_or_else(|| UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0));
+                Some((at * turn, Geometry::Plain(Shape::HalfSpace)))
             }
-            "mesh" => {
-                let uri = text_of(geometry, "uri");
-                let scale = numbers(text_of(geometry, "scale")).unwrap_or([1.0; 3]);
-                let file = mesh_file(place.source, uri);
-                let pieces = mesh::SCALE.problem_in("scale", &scale).map_or_else(
-                    || {
-                        mesh::pieces(place.source, &file)
-                            .and_then(|pieces| self.triangles.add(&pieces).map(|()| pieces))
-                    },
-                    Err,
-                );
-                match pieces {
-                    Ok(pieces) => {
-                        let mut piece = mesh::joined(pieces);
-                        let scaled = |[x, y, z]: [f32; 3]| {
-                            let [x, y, z] = [x, y, z].map(f64::from);
-                            [x * scale[0], y * scale[1], z * scale[2]].map(|part| part as f32)
-                        };
-                        piece.vertices.iter_mut().for_each(|vertex| *vertex = scaled(*vertex));
-                        add(self, placed(at), Geometry::Mesh(piece), None);
-                    }
-                    Err(reason) => self.problem(place, geometry, reason),
-                }
+            "mesh" => self.mesh(place, geometry).map(|piece| (at, Geometry::Mesh(piece))),
+            "empty" => None,
+            other => {
+                self.note(format!("a shape <{other}> is left out"));
+                None
             }
-            other => self.leave_out(format!("<geometry> <{other}>")),
+        };
+        if let Some((at, geometry)) = found {
+            let can_move = !matches!(geometry, Geometry::Plain(Shape::HalfSpace) | Geometry::Mesh(_));
+            let mass = mass.filter(|_| can_move);
+            let colour = colour.or(if let Geometry::Mesh(piece) = &geometry { piece.colour } else { None });
+            let object = FoundObject::fixed(name, on_map(at), geometry, colour);
+            self.found.objects.push(FoundObject { mass, touch, ..object });
         }
     }
 
-    /// Reads the pose of an element in its parent, z up.
-    fn pose(&mut self, place: Place, node: Node) -> Isometry3<f64> {
-        let Some(pose) = child(node, "pose") else { return Isometry3::identity() };
-        let relative = pose.attribute("relative_to").or(pose.attribute("frame")).filter(|frame| !frame.is_empty());
-        if let Some(frame) = relative.filter(|frame| !["world", "__model__"].contains(frame)) {
-            self.problem(
-                place,
-                pose,
-                format_args!("a pose in the frame `{frame}`: expected one in that of its parent"),
-            );
+    /// Reads how a collision's surface touches others.
+    fn touch(&mut self, collision: Node) -> Touch {
+        let Some(surface) = child(collision, "surface") else { return Touch::default() };
+        let friction = child(surface, "friction");
+        let ode = friction.and_then(|it| child(it, "ode"));
+        let [mu, mu2] = ["mu", "mu2"].map(|key| ode.and_then(|ode| number_of(ode, key)));
+        let bullet = friction.and_then(|it| child(it, "bullet")).and_then(|it| number_of(it, "friction"));
+        if mu.zip(mu2).is_some_and(|(mu, mu2)| mu != mu2) {
+            self.note("friction that differs by direction: the first counts");
         }
-        let text = pose.text().unwrap_or_default().trim();
-        if text.is_empty() {
-            return Isometry3::identity();
+        if surface
+            .descendants()
+            .any(|node| node.has_tag_name("collide_without_contact") && is_true(node.text().unwrap_or_default().trim()))
+        {
+            self.note("a collision without contact stops bodies here");
         }
-        let turned = pose.attribute("rotation_format").is_some_and(|format| format != "euler_rpy");
-        let Some([x, y, z, roll, pitch, yaw]) = numbers(text).filter(|_| !turned) else {
-            self.problem(place, pose, "a pose that is not `x y z roll pitch yaw`");
-            return Isometry3::identity();
-        };
-        let unit = if pose.attribute("degrees") == Some("true") { std::f64::consts::PI / 180.0 } else { 1.0 };
-        let turn = UnitQuaternion::from_euler_angles(roll * unit, pitch * unit, yaw * unit);
-        Isometry3::from_parts(Vector3::new(x, y, z).into(), turn)
+        let restitution = child(surface, "bounce").and_then(|it| number_of(it, "restitution_coefficient"));
+        Touch { friction: mu.or(bullet), restitution: restitution.filter(|it| *it > 0.0) }
     }
+
+    /// Reads a mesh, or a part of one, in the axes of its file.
+    fn mesh(&mut self, place: Place, geometry: Node) -> Option<Piece> {
+        let uri = text_of(geometry, "uri");
+        let scale = numbers(text_of(geometry, "scale")).unwrap_or([1.0; 3]);
+        if let Some(problem) = mesh::SCALE.problem_in("scale", &scale.map(f64::abs)) {
+            self.problem(place, geometry, problem);
+            return None;
+        }
+        let Some((source, file)) = self.models.mesh(place.source, uri) else {
+            self.missing(place, geometry, uri);
+            return None;
+        };
+        let pieces = mesh::named_pieces(&source, &file).and_then(|pieces| self.triangles.add(&pieces).map(|()| pieces));
+        let mut pieces = match pieces {
+            Ok(pieces) => pieces,
+            Err(reason) if self.is_strict => {
+                self.problem(place, geometry, reason);
+                return None;
+            }
+            Err(reason) => {
+                self.note(format!("{reason}: left out"));
+                return None;
+            }
+        };
+        let submesh = child(geometry, "submesh");
+        if let Some(name) = submesh.map(|node| text_of(node, "name")).filter(|name| !name.is_empty()) {
+            pieces.retain(|piece| piece.name.as_deref() == Some(name));
+            if pieces.is_empty() {
+                self.note(format!("mesh `{uri}` has no part `{name}`: left out"));
+                return None;
+            }
+        }
+        let mut piece = mesh::joined(pieces);
+        if submesh.is_some_and(|node| is_true(text_of(node, "center"))) {
+            let ends = |axis: usize| {
+                let all = piece.vertices.iter().map(|vertex| vertex[axis]);
+                all.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
+            };
+            let middle = [0, 1, 2].map(ends).map(|[low, high]| (low + high) / 2.0);
+            piece
+                .vertices
+                .iter_mut()
+                .for_each(|vertex| *vertex = std::array::from_fn(|axis| vertex[axis] - middle[axis]));
+        }
+        let scaled = |vertex: [f32; 3]| std::array::from_fn(|axis| (f64::from(vertex[axis]) * scale[axis]) as f32);
+        piece.vertices.iter_mut().for_each(|vertex| *vertex = scaled(*vertex));
+        Some(piece)
+    }
+}
+
+/// Turns a pose to z down. Half a turn on both sides: shapes are alike after it, and meshes are turned by their reader.
+fn on_map(at: Isometry3<f64>) -> Pose {
+    Isometry3::from_parts(Translation3::identity(), z_down()) * at * z_down()
+}
+
+/// Returns the colour of a link's first visual that has one.
+fn colour_of(link: Node) -> Option<[f64; 3]> {
+    let visuals = children(link, "visual").flat_map(|visual| visual.descendants());
+    let texts =
+        visuals.filter(|it| it.has_tag_name("diffuse") || it.has_tag_name("ambient")).filter_map(|it| it.text());
+    let mut colours = texts.filter_map(|text| numbers::<4>(text).map(|[r, g, b, _]| [r, g, b]).or(numbers::<3>(text)));
+    colours.next()
+}
+
+fn is_true(text: &str) -> bool {
+    ["true", "1"].contains(&text)
 }
 
 fn children<'a, 'i>(node: Node<'a, 'i>, tag: &'static str) -> impl Iterator<Item = Node<'a, 'i>> {

@@ -23,6 +23,9 @@ const NEARLY: f64 = 0.95;
 const WHEEL_SPEED: f64 = 10.0;
 /// Push of a wheel without a torque limit, as a fraction of the robot's weight.
 const WHEEL_PUSH: f64 = 0.5;
+/// Torque of a steering joint without an effort: that of the robot's weight at this arm, m; and its speed, rad/s.
+const STEERING_PUSH: f64 = 0.2;
+const STEERING_SPEED: f64 = 3.0;
 /// Fraction of a limit that stays within it in spite of rounding.
 const ROUNDING: f64 = 0.999;
 /// Least roundness of a wheel about its axis.
@@ -64,30 +67,66 @@ pub(crate) enum Change {
     Rename(String, String),
     /// A link of the URDF collides with nothing, as a caster takes its place.
     NoCollision(String),
+    /// A joint has these limits of effort and velocity.
+    Limit(String, [f64; 2]),
 }
 
-/// Guesses a robot. `mecanum` is true if the file hints at Mecanum wheels.
+/// Knowledge of a robot's wheels beside its URDF.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Known<'a> {
+    /// Joints of its driven wheels; empty if they have to be found.
+    pub(crate) wheels: &'a [String],
+    /// Drive that somebody has chosen.
+    pub(crate) drive: Option<WheelDrive>,
+    /// True if the file hints at Mecanum wheels.
+    pub(crate) mecanum: bool,
+}
+
+/// A way in which wheels drive a robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WheelDrive {
+    /// Four Mecanum wheels.
+    Mecanum,
+    /// Two sides.
+    Sides,
+    /// Steered wheels.
+    Car,
+}
+
+/// Guesses a robot.
 pub(crate) fn read(
     source: &Source,
     file: &str,
     class: &str,
     text: &str,
     materials: &Materials,
-    mecanum: bool,
+    known: Known,
     problems: &mut Problems,
 ) -> Option<Guessed> {
     let material = |name: &str| materials.get(name).cloned().unwrap_or_default();
     let urdf = urdf::read(source, file, text, material(BODY), problems).ok()?;
     let mut guess = Guess {
         material: &material,
+        known,
         urdf,
         casters: Vec::new(),
         wheels: Vec::new(),
         balls: Vec::new(),
         changes: Vec::new(),
     };
+    let shown = source.display(file);
+    for joint in known.wheels.iter().filter(|joint| !guess.urdf.continuous.iter().any(|it| &it.joint == *joint)) {
+        let turning = || guess.urdf.continuous.iter().map(|it| it.joint.as_str());
+        let (all, meant) = (names::listed(turning()), names::did_you_mean(joint, turning()));
+        problems.at(
+            &shown,
+            text,
+            0,
+            format_args!("no turning joint `{joint}` for a wheel: expected some of {all}{meant}"),
+        );
+    }
     guess.find_wheels();
-    let steering = guess.steering(mecanum);
+    let steering = guess.steering();
     guess.free_casters();
     guess.hold_followers();
     guess.limit_motors();
@@ -108,7 +147,6 @@ pub(crate) fn read(
         assumptions,
         ..RobotDef::new(class, steering, links)
     };
-    let shown = source.display(file);
     let links = robot.links.iter().enumerate();
     let wrong = links.flat_map(|(number, link)| {
         let wrong = check::link(link, number).into_iter().chain(wrong_wheel(link));
@@ -146,6 +184,7 @@ fn sensors(steering: Steering) -> Vec<SensorDef> {
 
 struct Guess<'a> {
     material: &'a dyn Fn(&str) -> Material,
+    known: Known<'a>,
     urdf: Urdf,
     /// Numbers of links, with the wheels made from them.
     wheels: Vec<(usize, Link)>,
@@ -168,10 +207,21 @@ impl Guess<'_> {
     fn find_wheels(&mut self) {
         let mass = self.mass();
         let mut found = Vec::new();
+        let is_known = |name: &String| self.known.wheels.contains(name);
+        let mut other_axes = Vec::new();
         for continuous in &self.urdf.continuous {
             let link = &self.urdf.links[continuous.link];
-            let Some(joint) = link.joint.as_ref().filter(|joint| joint.axis[1].abs() >= NEARLY) else { continue };
             let name = &continuous.joint;
+            if !self.known.wheels.is_empty() && !is_known(name) {
+                continue;
+            }
+            let Some(joint) = link.joint.as_ref() else { continue };
+            if joint.axis[1].abs() < NEARLY {
+                if joint.axis[2].abs() < NEARLY {
+                    other_axes.push(name.clone());
+                }
+                continue;
+            }
             let Some(Extent { radius, left, right, roundness }) = Extent::of(link) else {
                 self.urdf.assumptions.push(format!("joint {name} has no shape, so it is no wheel"));
                 continue;
@@ -180,7 +230,7 @@ impl Guess<'_> {
                 self.urdf.assumptions.push(format!("joint {name} carries other joints, so it is no wheel"));
                 continue;
             }
-            if roundness < ROUND {
+            if roundness < ROUND && !is_known(name) {
                 self.urdf.assumptions.push(format!("joint {name} is not round about its axis, so it is no wheel"));
                 continue;
             }
@@ -204,14 +254,17 @@ impl Guess<'_> {
             }
             found.push((continuous.link, made));
         }
+        for joint in other_axes {
+            self.urdf.say_of(&joint, "no wheel, as it does not turn about y: a robot drives along its x");
+        }
         let ground = found.iter().map(|(_, wheel)| bottom(wheel)).fold(f64::MIN, f64::max);
         for (number, wheel) in found {
             let radius = wheel.wheel.as_ref().map_or(0.0, |wheel| wheel.radius);
-            if bottom(&wheel) < ground - ABOVE_GROUND * radius {
+            if bottom(&wheel) < ground - ABOVE_GROUND * radius && self.known.wheels.is_empty() {
                 self.say(format!("joint {} is above the ground, so it is no wheel", wheel.name));
                 continue;
             }
-            let is_caster = is_caster(&self.urdf.links, number);
+            let is_caster = self.known.wheels.is_empty() && is_caster(&self.urdf.links, number);
             if is_caster { &mut self.casters } else { &mut self.wheels }.push((number, wheel));
         }
         if !on_both_sides(&self.wheels) && on_both_sides(&self.casters) {
@@ -231,7 +284,7 @@ impl Guess<'_> {
     }
 
     /// Guesses the steering. A robot without wheels on both sides stands on legs or is fixed, and its possible wheels are joints.
-    fn steering(&mut self, mecanum: bool) -> Steering {
+    fn steering(&mut self) -> Steering {
         if !on_both_sides(&self.wheels) {
             self.wheels.clear();
             self.casters.clear();
@@ -245,11 +298,18 @@ impl Guess<'_> {
         }
         let names =
             |wheels: &[(usize, Link)]| wheels.iter().map(|(_, link)| link.name.as_str()).collect::<Vec<_>>().join(", ");
-        let steered = self.name_steered();
+        let Known { drive, mecanum, .. } = self.known;
+        let may_steer = drive.is_none_or(|drive| drive == WheelDrive::Car);
+        let steered = if may_steer { self.name_steered() } else { Vec::new() };
         if steered.is_empty() {
-            if mecanum && self.add_rollers() {
+            if drive == Some(WheelDrive::Car) {
+                self.say("no joint steers a wheel, so it is no car".to_owned());
+            }
+            let is_mecanum = drive.map_or(mecanum, |drive| drive == WheelDrive::Mecanum);
+            if is_mecanum && self.add_rollers() {
                 let wheels = names(&self.wheels);
-                self.say(format!("Mecanum wheels, as names or Gazebo's settings say: {wheels}"));
+                let who = if drive.is_some() { "as was said" } else { "as names or Gazebo's settings say" };
+                self.say(format!("Mecanum wheels, {who}: {wheels}"));
                 self.say(format!(
                     "rollers are guessed: {ROLLERS} on each wheel at 45 degrees, their axes at {AXIS_CIRCLE} of its radius"
                 ));
@@ -272,21 +332,43 @@ impl Guess<'_> {
     fn name_steered(&mut self) -> Vec<String> {
         let middle = self.wheels.iter().map(|(_, link)| link.origin()[0]).sum::<f64>() / self.wheels.len() as f64;
         let mut steered = Vec::new();
-        for (_, wheel) in &self.wheels {
-            let Some(parent) = wheel.joint.as_ref().map(|joint| joint.parent) else { continue };
+        let parents: Vec<usize> = self.wheels.iter().filter_map(|(_, it)| Some(it.joint.as_ref()?.parent)).collect();
+        for parent in parents {
             let link = &mut self.urdf.links[parent];
             let upright = |joint: &scene::Joint| joint.kind == JointKind::Revolute && joint.axis[2].abs() > NEARLY;
             if !link.joint.as_ref().is_some_and(upright) {
                 continue;
             }
+            let name = link.name.clone();
+            self.urdf.is_driven(&name);
+            let link = &mut self.urdf.links[parent];
             if link.steered_axle().is_none() {
                 let axle = if link.origin()[0] > middle { "FrontSteer" } else { "RearSteer" };
                 let name = format!("{}_{axle}", link.name);
                 self.changes.push(Change::Rename(std::mem::replace(&mut link.name, name.clone()), name));
             }
             steered.push(link.name.clone());
+            self.add_steering_motor(parent);
         }
         steered
+    }
+
+    /// Gives a joint that steers a servo if the file gives none: some exporters write no effort.
+    fn add_steering_motor(&mut self, number: usize) {
+        if self.urdf.links[number].joint.as_ref().is_none_or(|joint| joint.drive.is_some() || joint.coupling.is_some())
+        {
+            return;
+        }
+        let torque =
+            (STEERING_PUSH * check::EARTH_GRAVITY * self.mass()).clamp(check::MAX_TORQUE.least, check::MAX_TORQUE.most);
+        let inertia = urdf::inertia_beyond(&self.urdf.links, number);
+        let link = &mut self.urdf.links[number];
+        if let Some(joint) = &mut link.joint {
+            joint.drive = Some(urdf::servo(joint.kind, STEERING_SPEED, torque, inertia));
+        }
+        let name = link.name.clone();
+        self.changes.push(Change::Limit(name.clone(), [torque, STEERING_SPEED]));
+        self.urdf.say_of(&name, format!("steers with {torque:.1} N m and {STEERING_SPEED} rad/s, as the effort is 0"));
     }
 
     /// Adds rollers to four wheels, and orders them as an omni base. Returns false if they do not form one.
@@ -424,7 +506,8 @@ impl Guess<'_> {
         }
     }
 
-    fn finish(self) -> (Vec<Link>, Vec<String>) {
+    fn finish(mut self) -> (Vec<Link>, Vec<String>) {
+        self.urdf.finish_notes();
         let (numbers, made): (Vec<usize>, Vec<Link>) = self.wheels.into_iter().unzip();
         (rebuilt(self.urdf.links, &numbers, made.into_iter().chain(self.balls)), self.urdf.assumptions)
     }

@@ -32,7 +32,7 @@ impl Check<'_> {
     }
 
     pub(super) fn robot(&mut self, robot: Node) {
-        if let Some((node, what)) = robot.descendants().find_map(|node| Some((node, of_xacro(node)?))) {
+        if let Some((node, what)) = robot.descendants().find_map(|node| Some((node, of_xacro(robot, node)?))) {
             self.problem(node, unexpanded(&what));
             return;
         }
@@ -69,8 +69,15 @@ impl Check<'_> {
         if self.good {
             self.tree(robot, children("joint").collect(), &links);
         }
-        for node in robot.descendants().filter(Node::is_element) {
-            self.numbers(node);
+        for part in robot.children().filter(|part| part.has_tag_name("link") || part.has_tag_name("joint")) {
+            // Visuals and parts of other programs refuse no robot.
+            let of_part = part.children().filter(|node| !node.has_tag_name("visual"));
+            for node in of_part.flat_map(|node| node.descendants()).filter(Node::is_element) {
+                self.numbers(node);
+            }
+            for collision in part.children().filter(|node| node.has_tag_name("collision")) {
+                self.shape(collision);
+            }
         }
     }
 
@@ -143,6 +150,22 @@ impl Check<'_> {
         value
     }
 
+    /// Checks the shape of a collision: its first one counts.
+    fn shape(&mut self, collision: Node) {
+        let geometry = collision.children().find(|node| node.has_tag_name("geometry"));
+        let Some(shape) = geometry.and_then(|node| node.children().find(Node::is_element)) else { return };
+        let needed: &[&str] = match shape.tag_name().name() {
+            "box" => &["size"],
+            "cylinder" => &["radius", "length"],
+            "sphere" => &["radius"],
+            "mesh" => &["filename"],
+            other => {
+                return self.problem(shape, format_args!("shape <{other}>: expected box, cylinder, sphere or mesh"));
+            }
+        };
+        needed.iter().for_each(|key| _ = self.attribute(shape, key));
+    }
+
     /// Checks the attributes that are numbers everywhere in a URDF, and those with a fixed range.
     fn numbers(&mut self, node: Node) {
         for attribute in node.attributes() {
@@ -186,19 +209,23 @@ fn moves(joint: Node) -> bool {
 
 const FINITE: Range = Range { least: f64::MIN, most: f64::MAX, unit: "" };
 
-/// Returns the part of a node that needs xacro. A mere declaration of xacro is harmless: it often remains after expansion.
-fn of_xacro(node: Node) -> Option<String> {
+/// Returns the part of a node that needs xacro. A mere declaration of xacro is harmless: it often remains after expansion. So are texts for
+/// other programs.
+fn of_xacro(robot: Node, node: Node) -> Option<String> {
     let substitution = |text: &str| text.contains("${") || text.contains("$(");
-    match node.node_type() {
-        NodeType::Element => {
-            let tag = node.tag_name();
-            let own = tag.namespace().is_some_and(is_xacro);
-            let value = || node.attributes().map(|attribute| attribute.value()).find(|value| substitution(value));
-            if own { Some(format!("<xacro:{}>", tag.name())) } else { value().map(str::to_owned) }
-        }
-        NodeType::Text => node.text().filter(|text| substitution(text)).map(|text| text.trim().to_owned()),
-        _ => None,
+    if node.node_type() != NodeType::Element {
+        return None;
     }
+    let tag = node.tag_name();
+    if tag.namespace().is_some_and(is_xacro) {
+        return Some(format!("<xacro:{}>", tag.name()));
+    }
+    let is_of_robot = |node: &Node| {
+        let is_part = ["link", "joint", "material"].contains(&node.tag_name().name());
+        is_part && node.parent() == Some(robot)
+    };
+    let value = || node.attributes().map(|attribute| attribute.value()).find(|value| substitution(value));
+    value().filter(|_| node.ancestors().any(|node| is_of_robot(&node))).map(str::to_owned)
 }
 
 /// True for the name space of xacro, of which there are several spellings.

@@ -134,7 +134,7 @@ pub(super) const MAX_ROBOTS: usize = 256;
 /// Maximum number of solids of a map.
 pub const MAX_SOLIDS: usize = 10_000;
 /// Maximum number of objects of a map; all of them move.
-pub(super) const MAX_OBJECTS: usize = 1000;
+pub const MAX_OBJECTS: usize = 1000;
 /// Maximum number of start poses of a map, and of path nodes; each list is sent in one line.
 pub(super) const MAX_POSES: usize = 1000;
 /// Maximum number of RFID tags, those that robots release included.
