@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::flight::Flight;
 
 /// Keys of DRIVE that every robot with a drive takes.
-const FLAGS: [&str; 2] = ["Normalized", "Light"];
+const FLAGS: [&str; 3] = ["Normalized", "Light", "Flip"];
 /// Most problems of the keys of one line.
 const MAX_REPORTED: usize = 5;
 
@@ -152,7 +152,7 @@ impl DriveState {
         let known = self.keys();
         let own = |given: &Given| known.iter().copied().find(|key| given.is(key));
         let is_driven = drive.given.iter().any(|given| own(given).is_some());
-        let is_flagged = drive.normalized.is_some() || drive.light.is_some();
+        let is_flagged = drive.normalized.is_some() || drive.light.is_some() || drive.flip.is_some();
         if known.is_empty() {
             return;
         }

@@ -276,6 +276,13 @@ impl World {
         Ok(())
     }
 
+    /// Sets a robot upright where it is, with its heading.
+    fn set_upright(&mut self, id: PawnId, problems: &mut Vec<Problem>) -> Result<(), String> {
+        let now = self.observe(id).ok_or("it is gone")?.body.pose;
+        let (position, [.., yaw]) = scene::position_and_rotation(&now);
+        self.put_robot(id, &scene::pose(position, [0.0, 0.0, yaw]), problems)
+    }
+
     /// Finds the place that a robot of a class would get. `location` and `rotation` are those of INIT. `None` if the class is unknown.
     ///
     /// # Errors
@@ -366,7 +373,7 @@ impl World {
         if let Command::Set(_) = command {
             self.enter_shapes();
         }
-        let (mut found, mut hands) = (false, Vec::new());
+        let (mut found, mut hands, mut flips) = (false, Vec::new(), false);
         let answers = match (command, pawn.and_then(|pawn| self.robots.get_mut(&pawn))) {
             (Command::Init(init), _) => {
                 return Executed { spawned: self.init(init, problems), ..Executed::default() };
@@ -404,6 +411,7 @@ impl World {
             }
             (Command::Drive(drive), Some(robot)) => {
                 robot.drive(drive, problems);
+                flips = drive.flip == Some(true);
                 Vec::new()
             }
             (Command::MultiDrive(drive), Some(robot)) => {
@@ -445,6 +453,11 @@ impl World {
                 geo.map(|geo| Message::Geo(geo).into()).into_iter().collect()
             }
         };
+        if let Some(pawn) = pawn.filter(|_| flips)
+            && let Err(why) = self.set_upright(pawn, problems)
+        {
+            problems.push(Problem::Ignored { what: "{Flip True}".to_owned(), why });
+        }
         if let Some(pawn) = pawn {
             hands.into_iter().for_each(|(hand, closed)| match hand {
                 Hand::Changer(number) => self.change_tool(pawn, number, closed, problems),

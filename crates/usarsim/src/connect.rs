@@ -287,7 +287,7 @@ impl Names {
             ("GETCONF" | "GETGEO", "Type") => self.types.iter().map(String::as_str).chain(["Robot"]).collect(),
             ("SET", "Type") => of(&self.types),
             ("SET" | "GETCONF" | "GETGEO" | "ACT" | "MISPKG", "Name") => of(&self.items),
-            ("REPORT", "Errors") | ("DRIVE", "Normalized" | "Light") => vec!["true", "false"],
+            ("REPORT", "Errors") | ("DRIVE", "Normalized" | "Light" | "Flip") => vec!["true", "false"],
             _ => Vec::new(),
         }
     }

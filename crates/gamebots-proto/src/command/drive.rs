@@ -10,6 +10,8 @@ pub struct Drive {
     pub normalized: Option<bool>,
     /// Headlight, shown in STA.
     pub light: Option<bool>,
+    /// True to set a robot that lies on its back onto its wheels (UT2004's manual).
+    pub flip: Option<bool>,
     /// All other blocks in the order sent.
     pub given: Vec<Given>,
 }
@@ -108,20 +110,23 @@ impl ReadWrite for Drive {
         "WheelSteer",
         "Normalized",
         "Light",
+        "Flip",
     ];
 
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
         let normalized = value::boolean(line, "Normalized", problems);
         let light = value::boolean(line, "Light", problems);
-        let is_flag = |block: &&Block| ["Normalized", "Light"].iter().any(|flag| block.key.eq_ignore_ascii_case(flag));
+        let flip = value::boolean(line, "Flip", problems);
+        let is_flag =
+            |block: &&Block| ["Normalized", "Light", "Flip"].iter().any(|flag| block.key.eq_ignore_ascii_case(flag));
         let given = line.blocks.iter().filter(|block| !is_flag(block)).cloned().map(Given::new).collect();
-        Self { normalized, light, given }
+        Self { normalized, light, flip, given }
     }
 
     fn write(&self) -> Line {
         let mut line = Line::new("DRIVE");
         line.blocks = self.given.iter().map(|given| given.block.clone()).collect();
-        for (key, flag) in [("Normalized", self.normalized), ("Light", self.light)] {
+        for (key, flag) in [("Normalized", self.normalized), ("Light", self.light), ("Flip", self.flip)] {
             line = flag.into_iter().fold(line, |line, flag| line.with(key, flag));
         }
         line
