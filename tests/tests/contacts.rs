@@ -1,7 +1,7 @@
 //! Robots in contact in many ways: falling robots come to rest on the surface below, and no energy is gained.
 
 use nalgebra::Vector3;
-use scene::{BodyState, PawnId};
+use scene::{BodyState, DriveModel, PawnId};
 use sim_core::{Options, World};
 use system_tests::{apply, init, run};
 
@@ -158,4 +158,42 @@ fn an_arm_pressed_against_the_floor_holds() {
     let body = body(&world, ids[0]);
     println!("{:?}, {} unsettled", body.pose, world.unsettled_steps());
     assert!(body.linear.norm() < 1e-3 && (body.pose.translation.vector - before).norm() < 1e-3, "{body:?}");
+}
+
+/// A wall of one sheet at x = 2 with a winding, and a floor of one sheet that faces down.
+fn sheets(wall: [u32; 4]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [a, b, c, d] = wall;
+    let wall = format!("v 2 -1 0\nv 2 1 0\nv 2 1 1\nv 2 -1 1\nf {a} {b} {c} {d}\n");
+    std::fs::write(folder.path().join("wall.obj"), wall).expect("a file");
+    std::fs::write(folder.path().join("floor.obj"), "v -5 -5 0\nv 5 -5 0\nv 5 5 0\nv -5 5 0\nf 4 3 2 1\n")
+        .expect("a file");
+    let solid = |name: &str| format!("[[mesh]]\nname = \"{name}\"\nmaterial = \"concrete\"\nfile = \"{name}.obj\"\n");
+    let start = "[[start]]\nname = \"A\"\nposition = [0.0, 0.0, 0.0]\n";
+    let map = format!("description = \"two sheets\"\n{}{}{start}", solid("wall"), solid("floor"));
+    std::fs::write(folder.path().join("map.toml"), map).expect("a file");
+    folder
+}
+
+#[test]
+fn a_sheet_stops_a_robot_from_both_sides_however_it_is_wound() {
+    for winding in [[1, 2, 3, 4], [4, 3, 2, 1]] {
+        let folder = sheets(winding);
+        for model in [DriveModel::Articulated, DriveModel::Bodies] {
+            for (from, yaw, stops) in [(0.0, 0.0, 1.75), (4.0, std::f64::consts::PI, 2.25)] {
+                let mut def = scene_loader::load(&folder.path().display().to_string(), &[]).expect("a scene");
+                def.robots.get_mut("P3AT").expect("a class").drive_model = model;
+                let mut world = World::new(def, Options::default());
+                let robot = init(
+                    &mut world,
+                    &format!("INIT {{ClassName USARBot.P3AT}} {{Location {from},0,0}} {{Rotation 0,0,{yaw}}}"),
+                );
+                apply(&mut world, robot, "DRIVE {Left 4} {Right 4}");
+                run(&mut world, 8.0);
+                let at = body(&world, robot).pose.translation;
+                let is_before = if from < 2.0 { at.x < stops && at.x > 1.0 } else { at.x > stops && at.x < 3.0 };
+                assert!(is_before && at.z < 0.0, "{winding:?} {model:?} from {from}: {at}");
+            }
+        }
+    }
 }

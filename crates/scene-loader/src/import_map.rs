@@ -23,6 +23,8 @@ use crate::{LoadError, shipped};
 const FLAT: f64 = 1e-5;
 /// Thinnest box, m. A thinner one stays a mesh.
 const THIN: f64 = 1e-3;
+/// Least area of a mesh, m²: a square of a millimetre.
+const LEAST_AREA: f64 = 1e-6;
 /// Material of what no pattern fits.
 const MATERIAL: &str = "concrete";
 
@@ -123,6 +125,11 @@ pub fn import_map(import: &MapImport) -> Result<ImportedMap, LoadError> {
             return Err(LoadError::UnknownKind { file: import.file.display().to_string(), expected });
         }
     };
+    let before = found.len();
+    found.retain(FoundObject::has_surface);
+    if found.len() < before {
+        notes.push(format!("{} meshes without an area are left out", before - found.len()));
+    }
     if found.is_empty() || found.len() > MAX_SOLIDS {
         let (file, count) = (import.file.display(), found.len());
         let mut why = format!("{file} has {count} colliding shapes: expected 1 to {MAX_SOLIDS}");
@@ -255,6 +262,14 @@ fn as_box(piece: &Piece) -> Option<([f64; 3], [f64; 3])> {
 impl FoundObject {
     fn fixed(name: String, pose: Pose, geometry: Geometry, colour: Option<[f64; 3]>) -> Self {
         Self { name, pose, geometry, colour, mass: None, touch: Touch::default(), material: None }
+    }
+
+    /// True unless it is a mesh that is a line or a point.
+    fn has_surface(&self) -> bool {
+        let Geometry::Mesh(piece) = &self.geometry else { return true };
+        let corner = |index: u32| Vector3::from(piece.vertices[index as usize].map(f64::from));
+        let area = |&[a, b, c]: &[u32; 3]| (corner(b) - corner(a)).cross(&(corner(c) - corner(a))).norm() / 2.0;
+        piece.triangles.iter().map(area).sum::<f64>() > LEAST_AREA
     }
 
     /// Returns the heights (z) of its points, as far as they have an end.

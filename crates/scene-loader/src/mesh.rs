@@ -71,7 +71,9 @@ fn read_pieces(source: &Source, name: &str, by_object: bool) -> Result<Vec<Piece
         Some("glb" | "gltf") => gltf::read(source, &bytes()?),
         _ => return Err(format!("mesh `{name}`: expected a file that ends in .stl, .obj, .dae, .glb or .gltf")),
     };
-    let pieces = pieces.map_err(|reason| format!("mesh `{name}`: {reason}"))?;
+    let mut pieces = pieces.map_err(|reason| format!("mesh `{name}`: {reason}"))?;
+    // Exporters write empty ones for materials without faces.
+    pieces.retain(|piece| !piece.triangles.is_empty());
     let count: usize = pieces.iter().map(|piece| piece.triangles.len()).sum();
     if !(1..=MAX_TRIANGLES).contains(&count) {
         return Err(format!("mesh `{name}` has {count} triangles: expected 1 to {MAX_TRIANGLES}"));

@@ -140,17 +140,19 @@ fn a_world_of_sdf_keeps_shapes_poses_and_masses() {
 
 #[test]
 fn a_world_without_a_floor_gets_one_and_the_verdict_says_what_it_is() {
-    let text = format!(
-        "<sdf version='1.6'><world name='w'>{}</world></sdf>",
-        model("post", "<static>1</static><pose>0 0 0.5 0 0 0</pose>", "<box/>")
-    );
+    // Between the places that are tried, so that no robot stands on a box.
+    let post = |name: &str, x: f64, y: f64| {
+        model(name, &format!("<static>1</static><pose>{x} {y} 0.5 0 0 0</pose>"), "<box/>")
+    };
+    let posts = post("a", 3.75, 0.75) + &post("b", -3.75, -0.75);
+    let text = format!("<sdf version='1.6'><world name='w'>{posts}</world></sdf>");
     let (map, printed) = good(&[("a.sdf", text.as_bytes())], &["a.sdf"]);
     assert!(map.contains("[[half_space]]\nname = \"floor\""), "{map}");
     for expected in [
-        "note: a <box> without <size>: 1 m, as Gazebo takes it",
+        "note: a <box> without <size>: 1 m, as Gazebo takes it (2 times)",
         "note: a floor is added below everything, as there is no place on which a robot could stand",
-        "made: 2 solids over 1.0 x 1.0 x 1.0 m, none can be pushed",
-        "materials: 2 of concrete; --material 'PATTERN=MATERIAL' changes them",
+        "made: 3 solids over 8.5 x 2.5 x 1.0 m, none can be pushed",
+        "materials: 3 of concrete; --material 'PATTERN=MATERIAL' changes them",
         "left out or changed: 2 notes, above",
     ] {
         assert!(printed.lines().any(|line| line == expected), "{expected}\n{printed}");
