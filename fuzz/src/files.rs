@@ -143,7 +143,7 @@ pub fn urdf(bytes: &[u8]) {
 
 /// Imports a URDF. What the import makes is a robot.
 fn import(file: &Path) {
-    let Ok(text) = scene_loader::text(file) else { return };
+    let Ok(text) = scene_loader::xml_text(file) else { return };
     let packages = Packages::around(file, &[], &[]).expect("its folder");
     let Ok(imported) = scene_loader::import(&Import {
         file,
