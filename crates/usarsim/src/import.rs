@@ -77,7 +77,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let packages = Packages::around(file, &arguments.packages, &searched_folders()).map_err(bad)?;
     let mut missing = Vec::new();
     if xacro::is_needed(file, &text) {
+        let source = text;
         (text, missing) = xacro::expand(file, &arguments.arguments, packages.folders())?;
+        if let Some(why) = xacro::only_macros(file, &source, &text) {
+            return Err(Failure::new(exit::BAD_DATA, why));
+        }
     } else if let Some(argument) = arguments.arguments.first() {
         let message = format_args!("{argument}: {} is a URDF: expected arguments of a xacro file only", file.display());
         return Err(Failure::new(exit::USAGE, message));

@@ -1,6 +1,7 @@
 //! Frames of SDF: every link, joint, model and `<frame>` is one, and a pose may be relative to any in its world or model
 //! (sdformat.org, "Pose frame semantics").
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
@@ -8,6 +9,8 @@ use roxmltree::Node;
 
 /// Longest chain of frames.
 const MAX_CHAIN: usize = 64;
+/// Most times that frames inside of other models are looked up from a world or a model: each takes as long as that model is large.
+const MAX_INSIDE: usize = 1000;
 
 /// A pose that cannot be known.
 #[derive(Debug, thiserror::Error)]
@@ -18,17 +21,23 @@ pub(super) enum FrameError {
     Unknown(String),
     #[error("frames that hang on each other in a circle, at `{0}`")]
     Circle(String),
+    #[error("more than {MAX_INSIDE} poses relative to frames inside of other models")]
+    TooMany,
 }
 
 /// The frames of a world or a model.
-pub(super) struct Frames<'a, 'i>(BTreeMap<String, Node<'a, 'i>>);
+pub(super) struct Frames<'a, 'i> {
+    nodes: BTreeMap<String, Node<'a, 'i>>,
+    /// Lookups inside of other models so far.
+    inside: Cell<usize>,
+}
 
 impl<'a, 'i> Frames<'a, 'i> {
     /// Collects the frames in a world or a model.
     pub(super) fn of(scope: Node<'a, 'i>) -> Self {
         let kinds = ["link", "joint", "model", "frame", "include"];
         let nodes = scope.children().filter(|node| kinds.contains(&node.tag_name().name()));
-        Self(nodes.filter_map(|node| Some((name_of(node)?, node))).collect())
+        Self { nodes: nodes.filter_map(|node| Some((name_of(node)?, node))).collect(), inside: Cell::new(0) }
     }
 
     /// Returns the pose of an element in its world or model.
@@ -70,12 +79,16 @@ impl<'a, 'i> Frames<'a, 'i> {
         if ["world", "__model__", "__root__"].contains(&name) {
             return Ok(Isometry3::identity());
         }
-        if let Some(node) = self.0.get(name) {
+        if let Some(node) = self.nodes.get(name) {
             return self.pose_within(*node, depth);
         }
         let unknown = || FrameError::Unknown(name.to_owned());
         let (model, rest) = name.split_once("::").ok_or_else(unknown)?;
-        let node = self.0.get(model).filter(|node| node.has_tag_name("model")).ok_or_else(unknown)?;
+        let node = self.nodes.get(model).filter(|node| node.has_tag_name("model")).ok_or_else(unknown)?;
+        self.inside.set(self.inside.get() + 1);
+        if self.inside.get() > MAX_INSIDE {
+            return Err(FrameError::TooMany);
+        }
         Ok(self.pose_within(*node, depth)? * Frames::of(*node).frame(rest, depth + 1)?)
     }
 }

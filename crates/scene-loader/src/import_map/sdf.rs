@@ -25,6 +25,8 @@ const MAX_NODES: u32 = 500_000;
 const MAX_DEPTH: usize = 16;
 /// Maximum number of included files: files that include each other twice would be read without end.
 const MAX_INCLUDED: usize = 1000;
+/// Maximum size of all meshes that are read, bytes; one that is named again counts again.
+const MAX_BYTES: u64 = 1 << 30;
 /// Elements that say nothing about shapes, or are read elsewhere.
 const SILENT: [&str; 24] = [
     "physics",
@@ -82,6 +84,7 @@ pub(super) fn read(
         missing: BTreeMap::new(),
         robots: Vec::new(),
         triangles: Budget::default(),
+        bytes: 0,
         included: 0,
     };
     reader.file(source, file, &Included::default(), 0)?;
@@ -123,6 +126,8 @@ struct Reader<'p> {
     /// Models with joints that move.
     robots: Vec<String>,
     triangles: Budget,
+    /// Bytes of meshes so far.
+    bytes: u64,
     /// Number of included files.
     included: usize,
 }
@@ -455,6 +460,11 @@ impl Reader<'_> {
             self.missing(place, geometry, uri);
             return None;
         };
+        self.bytes = self.bytes.saturating_add(source.size(&file));
+        if self.bytes > MAX_BYTES {
+            self.note(format!("a mesh beyond the {} MB of all meshes is left out", MAX_BYTES >> 20));
+            return None;
+        }
         let pieces = mesh::named_pieces(&source, &file).and_then(|pieces| self.triangles.add(&pieces).map(|()| pieces));
         let mut pieces = match pieces {
             Ok(pieces) => pieces,

@@ -63,7 +63,7 @@ fn turned(outline: impl Iterator<Item = [f64; 2]>) -> Piece {
 }
 
 /// Most corners of a polygon: cutting it takes their cube.
-const MOST_CORNERS: usize = 300;
+const MOST_CORNERS: usize = 100;
 
 /// Returns a prism over a simple polygon, from z = 0 up; `None` if the polygon crosses itself or has no area.
 pub(super) fn prism(polygon: &[[f64; 2]], height: f64) -> Option<Piece> {

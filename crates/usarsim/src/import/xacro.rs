@@ -73,6 +73,9 @@ pub(super) fn expand(
             let reason = lines.take(MAX_LINES).collect::<Vec<_>>().join("\n");
             let reason = if reason.is_empty() { "it failed without an error message".to_owned() } else { reason };
             let mut message = format!("{}: xacro: {reason}", file.display());
+            if let Some(name) = missing_argument(&reason) {
+                message += &format!("\ngive it behind the file: {name}:=VALUE");
+            }
             for name in missing {
                 message += &format!("\npackage `{name}` is not found: name its folder by --package {name}=FOLDER");
             }
@@ -85,6 +88,38 @@ pub(super) fn expand(
         text = text.replace(&format!("file:///[{name}]"), &format!("package://{name}"));
     }
     Ok((text, missing.into_iter().map(str::to_owned).collect()))
+}
+
+/// Returns the name of an argument that xacro misses, from its message.
+fn missing_argument(reason: &str) -> Option<&str> {
+    let (_, rest) = reason.split_once("Undefined substitution argument ")?;
+    rest.split_whitespace().next().map(|name| name.trim_matches(['`', '\'', '"', '.']))
+}
+
+/// Says how to use a file that only defines macros; `None` if it defines none, or its expansion has links.
+pub(super) fn only_macros(file: &Path, text: &str, expanded: &str) -> Option<String> {
+    /// Most macros that are named.
+    const SHOWN: usize = 5;
+    if expanded.contains("<link") {
+        return None;
+    }
+    let attribute = |text: &str, name: &str| {
+        let (_, rest) = text.split_once(&format!(" {name}="))?;
+        let quote = rest.chars().next().filter(|c| ['"', '\''].contains(c))?;
+        Some(rest[1..].split(quote).next()?.split_whitespace().collect::<Vec<_>>().join(" "))
+    };
+    let tags = text.split("<xacro:macro").skip(1).filter_map(|rest| rest.split('>').next());
+    let named = tags.filter_map(|tag| {
+        let name = attribute(tag, "name")?;
+        let parameters = attribute(tag, "params").filter(|it| !it.is_empty());
+        Some(parameters.map_or(name.clone(), |it| format!("{name} ({it})")))
+    });
+    let macros: Vec<String> = named.take(SHOWN).collect();
+    let first = macros.first()?.split(' ').next()?.to_owned();
+    let (name, list) = (file.display(), macros.join("; "));
+    Some(format!(
+        "{name} only defines macros: {list}. Expected a file that calls one: a <robot> with <xacro:include filename=\"{name}\"/> and <xacro:{first} ../>"
+    ))
 }
 
 struct Output {
@@ -125,4 +160,31 @@ fn read(pipe: impl Read, most: u64) -> Vec<u8> {
     // A broken pipe ends the text; the exit code says more.
     let _ = pipe.take(most + 1).read_to_end(&mut bytes);
     bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_of_macros_says_which_to_call() {
+        let text = "<robot xmlns:xacro='u'><xacro:macro name=\"wheel\" params=\"prefix\n  *origin\"><link/></xacro:macro>\
+                    <xacro:macro name='base'/></robot>";
+        let said = only_macros(Path::new("parts.xacro"), text, "<robot/>").expect("a message");
+        assert!(said.starts_with("parts.xacro only defines macros: wheel (prefix *origin); base. "), "{said}");
+        assert!(said.ends_with("<xacro:wheel ../>"), "{said}");
+        assert_eq!(only_macros(Path::new("x"), text, "<robot><link name='a'/></robot>"), None);
+        assert_eq!(only_macros(Path::new("x"), "<robot/>", "<robot/>"), None);
+    }
+
+    #[test]
+    fn a_missing_argument_is_named() {
+        for (reason, name) in [
+            ("error: Undefined substitution argument robot_model\nwhen processing x", Some("robot_model")),
+            ("error: Undefined substitution argument 'x'", Some("x")),
+            ("error: no such file", None),
+        ] {
+            assert_eq!(missing_argument(reason), name, "{reason}");
+        }
+    }
 }
