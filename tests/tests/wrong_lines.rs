@@ -24,7 +24,7 @@ fn check(class: &str, line: &str, expected: &[&str]) {
 
 #[test]
 fn a_drive_with_a_key_that_the_robot_does_not_take_names_it_and_what_it_takes() {
-    const SKID: &str = "expected Left, Right, Normalized, Light; the block is ignored";
+    const SKID: &str = "expected Left, Right, Normalized, Light, Flip; the block is ignored";
     let wrong = |key: &str, rest: &str| format!("DRIVE: P3AT takes no key `{key}`{rest}");
     let expected = |key: &str| wrong(key, &format!("; {SKID}"));
     for key in ["Speed", "LinearVelocity", "Front-Left"] {
@@ -43,14 +43,14 @@ fn a_drive_with_a_key_that_the_robot_does_not_take_names_it_and_what_it_takes() 
         "DRIVE {Left 2",
         &["`{Left 2`: the brace is not closed", "DRIVE without a value does nothing; P3AT takes Left, "],
     );
-    check("P3AT", "DRIVE", &["DRIVE without a value does nothing; P3AT takes Left, Right, Normalized, Light"]);
+    check("P3AT", "DRIVE", &["DRIVE without a value does nothing; P3AT takes Left, Right, Normalized, Light, Flip"]);
     check(
         "P3AT",
         "DRIVE {Left} {Right}",
         &["{Left} is ignored: it has no value", "{Right} is ignored: it has no value"],
     );
     check("P3AT", "DRIVE {Left 1} {Right 1} {left 2}", &["{left} is ignored: the first of a line counts"]);
-    check("P3AT", "DRIVE {Left 1} {Right 1} {Flip true} {Speed 1}", &[&expected("Flip"), &expected("Speed")]);
+    check("P3AT", "DRIVE {Left 1} {Right 1} {Hover true} {Speed 1}", &[&expected("Hover"), &expected("Speed")]);
     check(
         "KUKA_YouBot",
         "DRIVE {Speed 2}",
@@ -65,7 +65,7 @@ fn a_drive_with_a_key_that_the_robot_does_not_take_names_it_and_what_it_takes() 
         "FrontAckerman",
         "DRIVE {Left 1} {Right 1}",
         &[
-            "DRIVE: FrontAckerman takes no key `Left`; expected Speed, FrontSteer, RearSteer, Normalized, Light; ",
+            "DRIVE: FrontAckerman takes no key `Left`; expected Speed, FrontSteer, RearSteer, Normalized, Light, Flip; ",
             "DRIVE: FrontAckerman takes no key `Right`; ",
         ],
     );
