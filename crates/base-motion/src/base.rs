@@ -6,6 +6,7 @@ use scene::{Drivetrain, Material, MountedWheel, RobotDef, Side};
 
 use crate::mecanum;
 use crate::sliding::{self, Place};
+use crate::steering::centre;
 
 /// Most corrections of the speeds of two sides.
 const MOST_CORRECTIONS: usize = 30;
@@ -239,10 +240,9 @@ impl Car {
     }
 
     /// Returns the turning centre, forward and to the right, m; `None` if the car drives straight.
-    fn centre(&self, [front, rear]: [f64; 2]) -> Option<[f64; 2]> {
-        let slopes = libm::tan(front) - libm::tan(rear);
-        let aside = self.wheel_base / slopes;
-        (slopes.abs() > STRAIGHT).then_some([self.front - aside * libm::tan(front), aside])
+    fn centre(&self, steer: [f64; 2]) -> Option<[f64; 2]> {
+        let [front, rear] = steer.map(libm::tan);
+        ((front - rear).abs() > STRAIGHT).then(|| centre(self.wheel_base, self.front, steer))
     }
 
     /// Returns the sum of the distances that the driven wheels roll while the base turns by 1 rad about a centre.

@@ -9,7 +9,7 @@ mod sliding;
 mod steering;
 
 pub use base::{Base, Car, DiffDrive, Drive, Model, Sliding};
-pub use steering::{joint_angles, joint_limits, speed_shares, turning_centre};
+pub use steering::{joint_angles, joint_limits, speed_shares};
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

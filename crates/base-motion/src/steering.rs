@@ -5,13 +5,19 @@ use scene::RobotDef;
 
 /// Returns the turning centre for the angles of the middles of front and rear axle, rad, positive to the right: x and y in the robot frame,
 /// m. `None` if both are parallel, or so steep that the centre would be between left and right wheels.
-pub fn turning_centre(robot: &RobotDef, [front, rear]: [f64; 2]) -> Option<[f64; 2]> {
+fn turning_centre(robot: &RobotDef, steer: [f64; 2]) -> Option<[f64; 2]> {
     let geometry = robot.wheel_geometry();
     let front_x = robot.driven().map(|wheel| wheel.position[0]).reduce(f64::max)?;
-    let [front_slope, rear_slope] = [front, rear].map(libm::tan);
-    let aside = geometry.wheel_base / (front_slope - rear_slope);
+    let [x, aside] = centre(geometry.wheel_base, front_x, steer);
     let is_outside = aside.is_finite() && aside.abs() > geometry.track / 2.0;
-    is_outside.then_some([front_x - aside * front_slope, aside])
+    is_outside.then_some([x, aside])
+}
+
+/// Returns the turning centre of axles that are `wheel_base` apart, the front one at `front_x`, m. It is infinite if both are parallel.
+pub(crate) fn centre(wheel_base: f64, front_x: f64, steer: [f64; 2]) -> [f64; 2] {
+    let [front, rear] = steer.map(libm::tan);
+    let aside = wheel_base / (front - rear);
+    [front_x - aside * front, aside]
 }
 
 /// Returns the angles of the joints that steer, rad, each with the number of its link.
