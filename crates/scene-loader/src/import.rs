@@ -86,7 +86,7 @@ pub fn import(import: &Import) -> Result<Imported, LoadError> {
     let mut replaced = Vec::new();
     remove_hollow(&source, &mut robot, &mut left_out);
     inertia::repair(&source, &mut robot, &mut replaced);
-    let mut guessed = guess(import, &source, &robot)?;
+    let mut guessed = guess(import, &source, &robot, urdf::hints_at_mecanum(&text))?;
     if guessed.robot.links.iter().all(|link| link.solids.is_empty() && link.wheel.is_none()) {
         left_out.push("no colliding shape is left, so the robot touches nothing".to_owned());
     }
@@ -109,11 +109,10 @@ pub fn import(import: &Import) -> Result<Imported, LoadError> {
     Ok(Imported { guessed: guessed.robot.assumptions.clone(), robot: guessed.robot, files, replaced, left_out })
 }
 
-/// Guesses the robot of a URDF in a folder that is not written yet.
-fn guess(import: &Import, source: &Source, robot: &urdf_rs::Robot) -> Result<Guessed, LoadError> {
+/// Guesses the robot of a URDF in a folder that is not written yet. `mecanum` is true if the file hints at Mecanum wheels.
+fn guess(import: &Import, source: &Source, robot: &urdf_rs::Robot, mecanum: bool) -> Result<Guessed, LoadError> {
     let shown = import.file.display().to_string();
     let (text, materials) = (written(&shown, robot)?, shipped::built_in_materials(&[])?);
-    let mecanum = urdf::hints_at_mecanum(&xml::lenient(import.text));
     let (known, mut problems) = (Known { wheels: import.wheels, drive: import.drive, mecanum }, Problems::default());
     let guessed = of_urdf::read(source, URDF, import.class, &text, &materials, known, &mut problems);
     // The user does not have the file in which these problems have lines.

@@ -250,7 +250,6 @@ impl<'a> Lenient<'a> {
                 self.made.push(':');
                 self.made.push_str(&local.replace(':', "_"));
             }
-            _ if name == "xmlns" => self.made.push_str(name),
             _ => self.made.push_str(&name.replace(':', "_")),
         }
         rest

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use percent_encoding::percent_decode_str;
+
 use crate::source::{MAX_TEXT, Source};
 use crate::xml;
 
@@ -34,7 +36,7 @@ fn name_in(uri: &str) -> String {
         Some((_, name)) => name.split('/').next().unwrap_or(name),
         None => path,
     };
-    path.replace("%20", " ")
+    percent_decode_str(path).decode_utf8_lossy().into_owned()
 }
 
 /// Returns the well-known model at an address.
@@ -70,7 +72,7 @@ impl Models<'_> {
         if let Some((model, file)) = uri.strip_prefix("http").and_then(|_| uri.split_once("/files/")) {
             let (folder, _) = self.find(beside, model)?;
             let Source::Folder(folder) = folder else { return None };
-            return place(&folder.join(file.replace("%20", " ")));
+            return place(&folder.join(&*percent_decode_str(file).decode_utf8_lossy()));
         }
         let (scheme, path) = uri.split_once("://").unwrap_or(("file", uri));
         // Models and packages have no root: a third slash is a slip.

@@ -1,6 +1,6 @@
 //! SDF of Gazebo: the colliding shapes of a world's models. It is z up, as URDF, and turned at the end of [`Reader::collision`].
 //!
-//! What the file says of shapes, poses, frames and surfaces is followed. What is not followed is a note, once for each kind, with a count.
+//! Shapes, poses, frames and surfaces are those of the file. Each kind of thing that is not followed is one note with a count.
 
 use std::collections::BTreeMap;
 

@@ -13,6 +13,7 @@ use gltf::json::Root;
 use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Glb, Node, Semantic, buffer, json};
 use nalgebra::{Matrix4, Point3};
+use percent_encoding::percent_decode_str;
 use scene::check::MAX_TRIANGLES;
 
 use super::Piece;
@@ -200,7 +201,10 @@ impl File<'_> {
                     BASE64_STANDARD.decode(data.trim()).map_err(|error| format!("a buffer as data: {error}"))?
                 }
                 buffer::Source::Uri(file) => {
-                    let bytes = self.source.bytes(&unescaped(file), self.left).map_err(|error| error.to_string())?;
+                    let bytes = self
+                        .source
+                        .bytes(&percent_decode_str(file).decode_utf8_lossy(), self.left)
+                        .map_err(|error| error.to_string())?;
                     self.left -= bytes.len() as u64;
                     bytes
                 }
@@ -251,26 +255,6 @@ fn faces(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
         }
         _ => indices.chunks_exact(3).map(triple).collect(),
     }
-}
-
-/// Returns the name of a file in an address: `%20` is a space.
-fn unescaped(address: &str) -> String {
-    let mut bytes = Vec::with_capacity(address.len());
-    let mut rest = address.as_bytes();
-    while let [first, others @ ..] = rest {
-        let code = others.get(..2).filter(|_| *first == b'%').and_then(|code| std::str::from_utf8(code).ok());
-        match code.and_then(|code| u8::from_str_radix(code, 16).ok()) {
-            Some(byte) => {
-                bytes.push(byte);
-                rest = others.get(2..).unwrap_or_default();
-            }
-            None => {
-                bytes.push(*first);
-                rest = others;
-            }
-        }
-    }
-    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 /// Converts a linear colour component of glTF to sRGB (IEC 61966-2-1).
