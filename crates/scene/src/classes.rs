@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Index;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use serde::ser::{Error, SerializeMap};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -13,7 +13,10 @@ use crate::RobotDef;
 /// A reader of a class. It fails with the reason in words.
 type Read = Arc<dyn Fn() -> Result<RobotDef, String> + Send + Sync>;
 
-/// Robot classes by name. Copies share what is read.
+/// Most classes that can be added while worlds run.
+const MAX_ADDED: usize = 64;
+
+/// Robot classes by name. Copies share what is read, and the classes that are added later.
 ///
 /// ```
 /// use scene::{Classes, Link, RobotDef, Steering};
@@ -25,7 +28,23 @@ type Read = Arc<dyn Fn() -> Result<RobotDef, String> + Send + Sync>;
 /// assert_eq!(classes.read().count(), 1);
 /// ```
 #[derive(Clone, Default)]
-pub struct Classes(BTreeMap<String, Arc<Class>>);
+pub struct Classes {
+    first: BTreeMap<String, Arc<Class>>,
+    added: Arc<Added>,
+}
+
+/// Classes that came while worlds run. None changes or goes, so readers need no lock.
+struct Added {
+    slots: [OnceLock<(String, Class)>; MAX_ADDED],
+    /// Held while a class is added.
+    adding: Mutex<()>,
+}
+
+impl Default for Added {
+    fn default() -> Self {
+        Self { slots: [const { OnceLock::new() }; MAX_ADDED], adding: Mutex::default() }
+    }
+}
 
 #[derive(Clone)]
 struct Class {
@@ -47,7 +66,7 @@ impl Class {
 impl Classes {
     /// Adds a class.
     pub fn insert(&mut self, name: String, def: RobotDef) {
-        self.0.insert(name, Arc::new(Class::of(def)));
+        self.first.insert(name, Arc::new(Class::of(def)));
     }
 
     /// Adds a class that is read when somebody first asks for it. The reader fails with the reason in words.
@@ -56,59 +75,98 @@ impl Classes {
         name: impl Into<String>,
         read: impl Fn() -> Result<RobotDef, String> + Send + Sync + 'static,
     ) {
-        self.0.insert(name.into(), Arc::new(Class { read: Arc::new(read), def: OnceLock::new() }));
+        self.first.insert(name.into(), Arc::new(Class { read: Arc::new(read), def: OnceLock::new() }));
+    }
+
+    /// Adds a class for all copies, also those of worlds that run. It gets a number if another one has its name; one that is the same as one
+    /// that was added is not added again. Returns its name.
+    ///
+    /// # Errors
+    /// If 64 classes were added, in words.
+    pub fn add(&self, mut def: RobotDef) -> Result<&str, String> {
+        let _guard = self.added.adding.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_same = |known: &RobotDef| {
+            let named = RobotDef { class: known.class.clone(), ..def.clone() };
+            named.class.starts_with(&def.class) && named == *known
+        };
+        let mut added = self.added.slots.iter().map_while(OnceLock::get);
+        if let Some((name, _)) = added.find(|(_, class)| class.get().is_ok_and(is_same)) {
+            return Ok(name);
+        }
+        let slot = self
+            .added
+            .slots
+            .iter()
+            .find(|slot| slot.get().is_none())
+            .ok_or_else(|| format!("{MAX_ADDED} classes were added since the start: expected no more"))?;
+        let numbered = (2..).map(|number| format!("{}_{number}", def.class));
+        let mut names = std::iter::once(def.class.clone()).chain(numbered);
+        def.class = names.find(|name| self.find(name).is_none()).unwrap_or_default();
+        let (name, _) = slot.get_or_init(|| (def.class.clone(), Class::of(def)));
+        Ok(name)
+    }
+
+    /// Returns all classes, those that were added last.
+    fn all(&self) -> impl Iterator<Item = (&String, &Class)> {
+        let added = self.added.slots.iter().map_while(OnceLock::get);
+        self.first.iter().map(|(name, class)| (name, &**class)).chain(added.map(|(name, class)| (name, class)))
+    }
+
+    fn class(&self, name: &str) -> Option<&Class> {
+        let added = || self.all().skip(self.first.len()).find(|(known, _)| *known == name).map(|(_, class)| class);
+        self.first.get(name).map(|class| &**class).or_else(added)
     }
 
     /// Returns a class, and reads it if nobody has. `None` if there is none of that name, or it cannot be read.
     pub fn get(&self, name: &str) -> Option<&RobotDef> {
-        self.0.get(name)?.get().ok()
+        self.class(name)?.get().ok()
     }
 
     /// Returns a class to change it. Copies keep theirs.
     pub fn get_mut(&mut self, name: &str) -> Option<&mut RobotDef> {
-        let class = self.0.get_mut(name)?;
+        let class = self.first.get_mut(name)?;
         class.get().ok()?;
         Arc::make_mut(class).def.get_mut()?.as_mut().ok()
     }
 
     /// Returns the reason why a class cannot be read; `None` if it can, or if there is none of that name.
     pub fn problem(&self, name: &str) -> Option<&str> {
-        self.0.get(name)?.get().err()
+        self.class(name)?.get().err()
     }
 
     /// True if there is a class of that name. It is not read.
     pub fn contains_key(&self, name: &str) -> bool {
-        self.0.contains_key(name)
+        self.class(name).is_some()
     }
 
     /// Returns the name of a class that is given in any case. The class is not read.
     pub fn find(&self, name: &str) -> Option<&String> {
-        self.0.keys().find(|known| known.eq_ignore_ascii_case(name))
+        self.keys().find(|known| known.eq_ignore_ascii_case(name))
     }
 
     /// Returns the number of classes.
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.all().count()
     }
 
     /// True if there is no class.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.all().next().is_none()
     }
 
-    /// Returns the names of all classes, in order. None is read.
+    /// Returns the names of all classes, in order, and then of those that were added. None is read.
     pub fn keys(&self) -> impl Iterator<Item = &String> {
-        self.0.keys()
+        self.all().map(|(name, _)| name)
     }
 
-    /// Returns the classes that are read, in the order of their names.
+    /// Returns the classes that are read, in the order of [`Classes::keys`].
     pub fn read(&self) -> impl Iterator<Item = (&String, &RobotDef)> {
-        self.0.iter().filter_map(|(name, class)| Some((name, class.def.get()?.as_ref().ok()?)))
+        self.all().filter_map(|(name, class)| Some((name, class.def.get()?.as_ref().ok()?)))
     }
 
-    /// Returns all classes that can be read, in the order of their names, and reads them.
+    /// Returns all classes that can be read, in the order of [`Classes::keys`], and reads them.
     pub fn iter(&self) -> impl Iterator<Item = (&String, &RobotDef)> {
-        self.0.iter().filter_map(|(name, class)| Some((name, class.get().ok()?)))
+        self.all().filter_map(|(name, class)| Some((name, class.get().ok()?)))
     }
 
     /// Returns all classes as [`Classes::iter`] does, without their names.
@@ -116,17 +174,17 @@ impl Classes {
         self.iter().map(|(_, def)| def)
     }
 
-    /// Returns all classes to change them, and reads them.
+    /// Returns the first classes to change them, and reads them: those that were added stay as they are.
     pub fn values_mut(&mut self) -> impl Iterator<Item = &mut RobotDef> {
-        self.0.values_mut().filter_map(|class| {
+        self.first.values_mut().filter_map(|class| {
             class.get().ok()?;
             Arc::make_mut(class).def.get_mut()?.as_mut().ok()
         })
     }
 
-    /// Changes all classes: those that are read now, the others when they are read.
+    /// Changes the first classes: those that are read now, the others when they are read.
     pub fn change(&mut self, change: impl Fn(&mut RobotDef) + Send + Sync + Clone + 'static) {
-        for class in self.0.values_mut() {
+        for class in self.first.values_mut() {
             let Class { read, def } = Arc::make_mut(class);
             match def.get_mut() {
                 Some(def) => def.iter_mut().for_each(&change),
@@ -144,13 +202,13 @@ impl Classes {
 
     /// Removes a class, and returns it if it can be read.
     pub fn remove(&mut self, name: &str) -> Option<RobotDef> {
-        let class = self.0.remove(name)?;
+        let class = self.first.remove(name)?;
         class.get().ok().cloned()
     }
 
     /// Keeps the classes with these names.
     pub fn retain(&mut self, mut keep: impl FnMut(&str) -> bool) {
-        self.0.retain(|name, _| keep(name));
+        self.first.retain(|name, _| keep(name));
     }
 }
 
@@ -164,7 +222,8 @@ impl Index<&str> for Classes {
 
 impl FromIterator<(String, RobotDef)> for Classes {
     fn from_iter<I: IntoIterator<Item = (String, RobotDef)>>(classes: I) -> Self {
-        Self(classes.into_iter().map(|(name, def)| (name, Arc::new(Class::of(def)))).collect())
+        let first = classes.into_iter().map(|(name, def)| (name, Arc::new(Class::of(def)))).collect();
+        Self { first, ..Self::default() }
     }
 }
 
@@ -176,12 +235,9 @@ impl<const N: usize> From<[(String, RobotDef); N]> for Classes {
 
 impl PartialEq for Classes {
     fn eq(&self, other: &Self) -> bool {
-        self.0.len() == other.0.len()
-            && self
-                .0
-                .iter()
-                .zip(&other.0)
-                .all(|(one, other)| one.0 == other.0 && (Arc::ptr_eq(one.1, other.1) || one.1.get() == other.1.get()))
+        let is_one = |one: &Class, other: &Class| std::ptr::eq(one, other) || one.get() == other.get();
+        self.len() == other.len()
+            && self.all().zip(other.all()).all(|(one, other)| one.0 == other.0 && is_one(one.1, other.1))
     }
 }
 
@@ -194,8 +250,8 @@ impl fmt::Debug for Classes {
 impl Serialize for Classes {
     /// Writes all classes, and reads them.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for (name, class) in &self.0 {
+        let mut map = serializer.serialize_map(Some(self.len()))?;
+        for (name, class) in self.all() {
             map.serialize_entry(name, class.get().map_err(S::Error::custom)?)?;
         }
         map.end()
@@ -248,6 +304,28 @@ mod tests {
             assert_eq!(classes[name].drive_model, DriveModel::Analytic, "{name}");
             assert_eq!(copy[name], cart(name), "{name}");
         }
+    }
+
+    #[test]
+    fn an_added_class_is_known_to_all_copies_under_a_name_of_its_own() {
+        let classes = Classes::from([("Cart".to_owned(), cart("Cart"))]);
+        let copy = classes.clone();
+        assert_eq!(copy.add(cart("New")), Ok("New"));
+        assert_eq!(classes.add(cart("cart")), Ok("cart_2"));
+        assert_eq!(copy.add(cart("Cart")), Ok("Cart_3"));
+        assert_eq!(copy.keys().collect::<Vec<_>>(), ["Cart", "New", "cart_2", "Cart_3"]);
+        assert_eq!((classes.add(cart("New")), classes.add(cart("Cart"))), (Ok("New"), Ok("Cart_3")));
+        assert_eq!(
+            (classes["cart_2"].class.as_str(), classes.find("NEW").map(String::as_str)),
+            ("cart_2", Some("New"))
+        );
+        assert_eq!((classes.len(), classes == copy), (4, true));
+        let written = serde_json::to_string(&classes).unwrap();
+        assert_eq!(serde_json::from_str::<Classes>(&written).unwrap().len(), 4);
+        let other = |number| RobotDef { description: format!("{number}"), ..cart("Cart") };
+        let rest = (3..MAX_ADDED).map(|number| classes.add(other(number)).map(drop));
+        assert!(rest.collect::<Result<Vec<_>, _>>().is_ok());
+        assert_eq!(copy.add(cart("Other")), Err("64 classes were added since the start: expected no more".to_owned()));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A scene prepared for worlds.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use scene::{MapDef, WorldDef};
 
@@ -19,8 +19,8 @@ struct Parts {
     robots: Arc<Robots>,
 }
 
-/// Compiled classes by name; none of those that cannot be read.
-type Robots = BTreeMap<String, OnceLock<Option<Arc<CompiledRobot>>>>;
+/// Compiled classes by name; none of those that cannot be read. Classes may be added while worlds run.
+type Robots = Mutex<BTreeMap<String, Arc<OnceLock<Option<Arc<CompiledRobot>>>>>>;
 
 impl AsRef<WorldDef> for CompiledScene {
     fn as_ref(&self) -> &WorldDef {
@@ -32,8 +32,7 @@ impl From<WorldDef> for CompiledScene {
     fn from(def: WorldDef) -> Self {
         let mut materials = Materials::default();
         let map = CompiledMap::new(&def.map, &mut materials);
-        let robots = def.robots.keys().map(|class| (class.clone(), OnceLock::new())).collect();
-        Self(Arc::new(Parts { def, map, materials, robots: Arc::new(robots) }))
+        Self(Arc::new(Parts { def, map, materials, robots: Arc::default() }))
     }
 }
 
@@ -63,10 +62,14 @@ impl CompiledScene {
     /// Returns a robot class by its name. `None` if there is none of that name, or it cannot be read.
     pub(crate) fn class(&self, name: &str) -> Option<Arc<CompiledRobot>> {
         let Parts { def, materials, robots, .. } = &*self.0;
+        if !def.robots.contains_key(name) {
+            return None;
+        }
         let compile = || {
             let robot = def.robots.get(name)?.clone();
             Some(Arc::new(CompiledRobot::new(robot, &mut materials.clone())))
         };
-        robots.get(name)?.get_or_init(compile).clone()
+        let robot = robots.lock().unwrap_or_else(PoisonError::into_inner).entry(name.to_owned()).or_default().clone();
+        robot.get_or_init(compile).clone()
     }
 }
