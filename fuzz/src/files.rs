@@ -114,7 +114,8 @@ pub fn ini(bytes: &[u8]) {
 pub fn sdf(bytes: &[u8]) {
     let folder = Folder::new(&[("part.obj", MESH.as_bytes())]);
     let file = folder.with("x.sdf", bytes);
-    let import = MapImport { file: &file, scale: 1.0, materials: &[], floor: true, models: &[], is_strict: false };
+    let import =
+        MapImport { file: &file, scale: 1.0, materials: &[], floor: true, models: &[], within: None, is_strict: false };
     let made = scene_loader::import_map(&import);
     assert_lines(&made);
     let Ok(made) = made else { return };

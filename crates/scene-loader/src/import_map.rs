@@ -41,6 +41,8 @@ pub struct MapImport<'a> {
     pub floor: bool,
     /// Folders in which models of Gazebo are looked for, beside those around the file.
     pub models: &'a [PathBuf],
+    /// Folder outside of which nothing is read, for files of strangers: a whole path without links. `None` if everything may be.
+    pub within: Option<&'a Path>,
     /// True to refuse a file whose models or meshes are not all there.
     pub is_strict: bool,
 }
@@ -111,7 +113,8 @@ pub fn import_map(import: &MapImport) -> Result<ImportedMap, LoadError> {
     let sdf::Found { objects: mut found, mut notes, gravity, origin } = match ending.as_deref() {
         Some("sdf" | "world") => {
             let mut problems = Problems::default();
-            let read = sdf::read(&source, &file, Models(import.models), import.is_strict, &mut problems)?;
+            let models = Models { folders: import.models, within: import.within };
+            let read = sdf::read(&source, &file, models, import.is_strict, &mut problems)?;
             problems.into_result(read)?
         }
         Some("glb" | "gltf" | "obj" | "stl" | "dae") => {

@@ -81,6 +81,11 @@ pub fn declares_xacro(text: &str) -> bool {
     urdf::declares_xacro(text)
 }
 
+/// Returns the name of the robot in a URDF, if it has one.
+pub fn urdf_name(text: &str) -> Option<String> {
+    urdf::robot_name(text)
+}
+
 /// True for a set of equipment: its name or its tables say so.
 fn is_equipment(name: &str, text: &str) -> bool {
     name.starts_with("equipment") || [".sensor]]", ".mount]]"].iter().any(|table| text.contains(table))

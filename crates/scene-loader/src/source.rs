@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use include_dir::Dir;
 
@@ -96,6 +96,19 @@ impl Source {
             Self::Files(_) => name.to_owned(),
         }
     }
+}
+
+/// Returns a path without `.` and `..`, which lead nowhere above the root.
+pub(crate) fn normalized(path: &Path) -> PathBuf {
+    let mut whole = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::ParentDir => drop(whole.pop()),
+            Component::CurDir => {}
+            other => whole.push(other),
+        }
+    }
+    whole
 }
 
 fn size(path: &Path) -> u64 {

@@ -102,6 +102,11 @@ pub(crate) fn declares_xacro(text: &str) -> bool {
     document(text).is_ok_and(|document| document.root_element().namespaces().any(|it| check::is_xacro(it.uri())))
 }
 
+/// Returns the name of the robot in a URDF.
+pub(crate) fn robot_name(text: &str) -> Option<String> {
+    document(text).ok()?.root_element().attribute("name").map(str::to_owned)
+}
+
 /// A URDF as it is written.
 pub(crate) struct Parsed<'t> {
     pub(crate) document: roxmltree::Document<'t>,

@@ -1,10 +1,10 @@
 //! Packages of ROS on disk.
 
 use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use crate::LoadError;
-use crate::source::{MAX_TEXT, Source};
+use crate::source::{MAX_TEXT, Source, normalized};
 use crate::xml;
 
 /// Maximum number of folders between a file and the folder of its package.
@@ -27,6 +27,8 @@ pub struct Packages {
     beside: PathBuf,
     /// Folder that relative paths cannot leave: the file's package, or else the folder of the file.
     own: PathBuf,
+    /// Files of a closed folder by their names in lower case, for references whose folders are not there; none if two have the name.
+    loose: Option<BTreeMap<String, Option<PathBuf>>>,
 }
 
 impl Packages {
@@ -56,7 +58,43 @@ impl Packages {
             search.add(folder, MAX_DEPTH);
         }
         let own = own.unwrap_or(&beside).to_owned();
-        Ok(Self { folders: search.folders, beside, own })
+        Ok(Self { folders: search.folders, beside, own, loose: None })
+    }
+
+    /// Finds the packages in a folder, and looks at nothing outside of it. The folders in it are packages, too, and a file whose folder is not
+    /// there is found by its name.
+    ///
+    /// # Errors
+    /// Reports a file that is not there.
+    pub fn inside(root: &Path, file: &Path) -> Result<Self, LoadError> {
+        let whole = |path: &Path| {
+            let unreadable = |error: std::io::Error| LoadError::Unreadable {
+                file: path.display().to_string(),
+                reason: error.to_string(),
+            };
+            path.canonicalize().map_err(unreadable)
+        };
+        let (root, file) = (whole(root)?, whole(file)?);
+        let mut search = Search { folders: BTreeMap::new(), left: MAX_ENTRIES };
+        search.add(&root, MAX_DEPTH);
+        let (mut loose, mut open, mut left) =
+            (BTreeMap::<String, Option<PathBuf>>::new(), vec![root.clone()], MAX_ENTRIES);
+        while let Some(folder) = open.pop() {
+            let entries: Vec<_> = std::fs::read_dir(&folder).into_iter().flatten().flatten().take(left).collect();
+            left -= entries.len();
+            for path in entries.iter().map(std::fs::DirEntry::path) {
+                let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+                if path.is_dir() {
+                    search.folders.entry(name).or_insert_with(|| path.clone());
+                    open.push(path);
+                } else {
+                    let found = Some(path);
+                    loose.entry(name.to_lowercase()).and_modify(|known| *known = None).or_insert(found);
+                }
+            }
+        }
+        let beside = file.parent().map(Path::to_owned).unwrap_or_default();
+        Ok(Self { folders: search.folders, beside, own: root, loose: Some(loose) })
     }
 
     /// Returns the packages with their folders.
@@ -66,10 +104,21 @@ impl Packages {
 
     /// Returns the file that a URDF refers to: `package://NAME/..`, `file:///..`, or a path from the URDF's folder.
     pub(super) fn resolve(&self, reference: &str) -> Result<PathBuf, String> {
+        self.at(reference).or_else(|reason| {
+            let name = reference.rsplit(['/', '\\']).next().unwrap_or_default().to_lowercase();
+            self.loose.as_ref().and_then(|loose| loose.get(&name).cloned().flatten()).ok_or(reason)
+        })
+    }
+
+    /// Returns the file at the place that a reference names.
+    fn at(&self, reference: &str) -> Result<PathBuf, String> {
         let in_package = ["package://", "model://"].iter().find_map(|scheme| reference.strip_prefix(scheme));
         let (bases, path): (Vec<&PathBuf>, PathBuf) = if let Some(path) = in_package {
             let (name, path) = path.split_once('/').unwrap_or((path, ""));
-            let hint = || format!("package `{name}` is not found: name its folder by --package {name}=FOLDER");
+            let hint = || match self.loose {
+                None => format!("package `{name}` is not found: name its folder by --package {name}=FOLDER"),
+                Some(_) => format!("package `{name}` is not here: bring its folder, too"),
+            };
             let folder = self.folders.get(name).ok_or_else(hint)?;
             (vec![folder], folder.join(path.trim_start_matches('/')))
         } else {
@@ -78,7 +127,10 @@ impl Packages {
         };
         let path = normalized(&path);
         if !bases.iter().any(|base| path.starts_with(base)) {
-            return Err("it is outside of every package: expected a file in one, see --package".to_owned());
+            return Err(match self.loose {
+                None => "it is outside of every package: expected a file in one, see --package".to_owned(),
+                Some(_) => "it is not here: bring it, too".to_owned(),
+            });
         }
         if path.is_file() { Ok(path) } else { Err("no such file".to_owned()) }
     }
@@ -120,17 +172,4 @@ fn name_of(folder: &Path) -> Option<String> {
     let document = xml::parse(&text, MAX_NODES).ok()?;
     let name = document.root_element().children().find(|node| node.has_tag_name("name"))?;
     name.text().map(|name| name.trim().to_owned()).filter(|name| !name.is_empty())
-}
-
-/// Returns a path without `.` and `..`, which lead nowhere above the root.
-fn normalized(path: &Path) -> PathBuf {
-    let mut whole = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::ParentDir => drop(whole.pop()),
-            Component::CurDir => {}
-            other => whole.push(other),
-        }
-    }
-    whole
 }

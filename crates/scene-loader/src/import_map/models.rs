@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use percent_encoding::percent_decode_str;
 
-use crate::source::{MAX_TEXT, Source};
+use crate::source::{MAX_TEXT, Source, normalized};
 use crate::xml;
 
 /// Number of folders above a file in which models are looked for.
@@ -24,9 +24,14 @@ pub(super) enum WellKnown {
     Ground,
 }
 
-/// Folders in which models are looked for, beside those of the file itself.
+/// Places where models are looked for.
 #[derive(Clone, Copy)]
-pub(super) struct Models<'a>(pub(super) &'a [PathBuf]);
+pub(super) struct Models<'a> {
+    /// Folders beside those of the file itself.
+    pub(super) folders: &'a [PathBuf],
+    /// Folder outside of which nothing is read, without `..` and links.
+    pub(super) within: Option<&'a Path>,
+}
 
 /// Returns the name of a model in an address: `crate` for `model://crate`, `Ground Plane` for one of Fuel.
 fn name_in(uri: &str) -> String {
@@ -59,15 +64,20 @@ impl Models<'_> {
             }
             let folder = newest(&place);
             let file = file_of(&folder)?;
-            Some((Source::Folder(folder), file))
+            self.admits(&folder.join(&file)).then_some((Source::Folder(folder), file))
         })
+    }
+
+    /// True if a file may be read.
+    fn admits(self, path: &Path) -> bool {
+        self.within.is_none_or(|within| normalized(path).starts_with(within))
     }
 
     /// Returns the folder and the name of a mesh in it; `None` if it is not there.
     pub(super) fn mesh(self, beside: &Source, uri: &str) -> Option<(Source, String)> {
         let place = |path: &Path| {
             let file = path.file_name()?.to_string_lossy().into_owned();
-            path.is_file().then(|| (Source::of_file(path), file))
+            (self.admits(path) && path.is_file()).then(|| (Source::of_file(path), file))
         };
         if let Some((model, file)) = uri.strip_prefix("http").and_then(|_| uri.split_once("/files/")) {
             let (folder, _) = self.find(beside, model)?;
@@ -89,10 +99,11 @@ impl Models<'_> {
         let Source::Folder(beside) = beside else { return Vec::new() };
         let whole = beside.canonicalize().unwrap_or_else(|_| beside.clone());
         let near = whole.ancestors().take(LEVELS).flat_map(|folder| [folder.to_owned(), folder.join("models")]);
-        let named = self.0.iter().flat_map(|folder| [folder.clone(), folder.join("models")]);
+        let named = self.folders.iter().flat_map(|folder| [folder.clone(), folder.join("models")]);
         let names = [name.to_owned(), name.to_ascii_lowercase(), name.replace(' ', "_").to_ascii_lowercase()];
         let folders: Vec<PathBuf> = near.chain(named).collect();
-        folders.iter().flat_map(|folder| names.iter().map(|name| folder.join(name))).collect()
+        let places = folders.iter().flat_map(|folder| names.iter().map(|name| folder.join(name)));
+        places.filter(|place| self.admits(place)).collect()
     }
 }
 

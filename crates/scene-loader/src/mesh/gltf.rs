@@ -4,6 +4,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::path::{Component, Path};
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -201,10 +202,12 @@ impl File<'_> {
                     BASE64_STANDARD.decode(data.trim()).map_err(|error| format!("a buffer as data: {error}"))?
                 }
                 buffer::Source::Uri(file) => {
-                    let bytes = self
-                        .source
-                        .bytes(&percent_decode_str(file).decode_utf8_lossy(), self.left)
-                        .map_err(|error| error.to_string())?;
+                    let file = percent_decode_str(file).decode_utf8_lossy();
+                    let is_inside = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
+                    if !Path::new(&*file).components().all(is_inside) {
+                        return Err(format!("buffer `{file}`: expected a file in the folder of the mesh"));
+                    }
+                    let bytes = self.source.bytes(&file, self.left).map_err(|error| error.to_string())?;
                     self.left -= bytes.len() as u64;
                     bytes
                 }
