@@ -153,6 +153,18 @@ def graph(seconds):
     print(json.dumps(sorted(set(names.values()))))
 
 
+INERTIAL = '<inertial><mass value="2"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+WHEEL = (
+    '<link name="{0}">' + INERTIAL + '<collision><origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.1" length="0.05"/></geometry>'
+    '</collision></link><joint name="{0}_wheel" type="continuous"><parent link="base"/><child link="{0}"/>'
+    '<origin xyz="0 {1} 0"/><axis xyz="0 1 0"/></joint>'
+)
+CART = (
+    '<robot name="cart"><link name="base">' + INERTIAL + '<collision><geometry><box size="0.5 0.3 0.1"/></geometry></collision></link>'
+    + WHEEL.format("left", 0.2) + WHEEL.format("right", -0.2) + "</robot>"
+)
+
+
 def standard():
     """Uses the services of simulation_interfaces."""
     client = Client()
@@ -177,6 +189,13 @@ def standard():
     assert spawn("R9", False, "P3AT", pose(3.0, 0.0, 0.3)).result.result == 101
     again = spawn("R9", True, "P3AT", pose(3.0, 0.0, 0.3))
     assert (again.result.result, again.entity_name) == (1, "R9_2"), again
+    by_text = lambda name, text: client.call("SpawnEntity", name, False, Resource("", text), "", pose(-3.0, 0.0, 0.3))  # noqa: E731
+    came = by_text("R10", CART)
+    assert (came.result.result, came.entity_name) == (1, "R10"), came
+    assert "cart" in [it.entity_resource.uri for it in client.call("GetSpawnables", []).spawnables]
+    broken = by_text("R11", CART.replace("</robot>", ""))
+    assert broken.result.result == 106 and "robot.urdf:1:" in broken.result.error_message, broken
+    assert client.call("DeleteEntity", "R10").result.result == 1
     assert client.call("GetEntityState", "ghost").result.result == 2
     still = Twist(Vector3(0.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.0))
     state = EntityState(pose(1.0, -2.0, 0.3).header, pose(1.0, -2.0, 0.3).pose, still, Accel(still.linear, still.angular))

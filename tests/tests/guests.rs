@@ -57,7 +57,7 @@ fn server(robots: usize) -> (Server, Peer, Peer) {
     let server = Server::start("hall", &[], |config| {
         let services = [Service::Page, Service::Truth, Service::Positions];
         config.listeners.extend(services.map(|service| Listener::new(service, 0)));
-        config.maps = vec![scene_loader::map("arena", &[]).unwrap_or_else(|error| panic!("{error}")).into()];
+        config.maps = vec![scene_loader::map("arena", &[]).unwrap_or_else(|error| panic!("{error}")).into()].into();
     });
     let bystander = server.bystander();
     let mut owner = server.client();

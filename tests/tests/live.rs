@@ -220,7 +220,9 @@ fn after_a_reset_robots_are_back_and_their_clients_drive_on() {
 #[test]
 fn a_viewer_changes_the_map_and_everyone_is_told_who_did() {
     let other_maps = ["rough", "arena"].map(|name| scene_loader::map(name, &[]).unwrap());
-    let server = serve("rough", |config| config.maps = other_maps.iter().cloned().map(AvailableMap::from).collect());
+    let server = serve("rough", |config| {
+        config.maps = other_maps.iter().cloned().map(AvailableMap::from).collect::<Vec<_>>().into()
+    });
     let mut viewers = [Viewer::open(&server, "/live"), Viewer::open(&server, "/live")];
     let mut peer = server.client();
     robot(&mut peer);

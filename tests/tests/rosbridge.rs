@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::net::TcpStream;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use gamebots_server::{Listener, Service, WorldControl};
@@ -16,7 +17,15 @@ fn server(robots: &[&Path], control: WorldControl) -> Server {
     Server::start("rough", robots, |config| {
         config.listeners.push(Listener::new(Service::Page, 0));
         config.world_control = control;
-        config.ros2 = Some(ros2::Options { rosbridge: true, ..ros2::Options::default() });
+        let read = |text: &str| match text.strip_prefix("robot ") {
+            Some(class) => {
+                let shipped = scene_loader::robot("P3AT", &[]).map_err(|error| error.to_string());
+                shipped.map(|def| scene::RobotDef { class: class.to_owned(), ..def })
+            }
+            None => Err("robot.urdf:1:1: not a robot".to_owned()),
+        };
+        let read_robot = Some(ros2::ReadRobot(Arc::new(read)));
+        config.ros2 = Some(ros2::Options { rosbridge: true, read_robot, ..ros2::Options::default() });
     })
 }
 
@@ -118,6 +127,13 @@ fn a_client_of_rosbridge_hears_drives_and_asks() {
         state["state"]["pose"]["position"]["y"].as_f64().unwrap_or(0.0)
     };
     wait_until(|| (at(&mut client) + 2.0).abs() < 0.1);
+    for (text, result, part) in [("robot Brought", 1, ""), ("robots", 106, "robot.urdf:1:1: not a robot")] {
+        let pose = json!({ "position": { "x": 6.0, "y": 1.0, "z": 0.3 }, "orientation": { "w": 1.0 } });
+        let spawn = json!({ "name": text.replace(' ', "_"), "entity_resource": { "resource_string": text }, "initial_pose": { "pose": pose } });
+        let answer = client.call("/usarsim/spawn_entity", spawn).expect("an answer");
+        let said = answer["result"]["error_message"].as_str().unwrap_or_default();
+        assert!(answer["result"]["result"] == result && said.contains(part), "{answer}");
+    }
     assert_eq!(client.call("/usarsim/delete_entity", json!(["R2"])).expect("done")["result"]["result"], 1);
     drop(owner);
 }

@@ -115,12 +115,7 @@ impl Loop {
             status: Status::default(),
             refusal: None,
         };
-        let settings = Settings {
-            real_time_factor,
-            report_errors: false,
-            maps: vec!["arena".to_owned()],
-            budgets: served_world::Budgets::default(),
-        };
+        let settings = Settings { real_time_factor, report_errors: false, budgets: served_world::Budgets::default() };
         let (entrance, events) = Entrance::new();
         let reads = clock.clone();
         let served = ServedWorld::new(world(map, 1), settings, heard, Box::new(move || reads.now()));

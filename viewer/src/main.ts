@@ -8,8 +8,9 @@ import { askToken } from './panel/dialog';
 import { find, remember, remembered, save, setText } from './panel/dom';
 import { DrivePanel } from './panel/drive';
 import { focusView, returnFocusAfterChoice } from './panel/keys';
-import { offerMaps } from './panel/maps';
+import { changeMap, offerMaps } from './panel/maps';
 import { plainNotice } from './panel/notices';
+import { Opening } from './panel/open';
 import { Pace } from './panel/pace';
 import { buildSheets, buildSplitters, buildTabs } from './panel/panes';
 import { Pictures } from './panel/pictures';
@@ -151,6 +152,20 @@ const live = new Live(transport, {
   },
 });
 const play = new PlayBar(state, live, playback);
+new Opening(transport, {
+  log: (file) => void playback.open(file),
+  robot(robotClass, place) {
+    const names = state.scene?.names;
+    if (names && !names.includes(robotClass)) names.push(robotClass);
+    drive.updateScene();
+    if (place) drive.spawnAt(robotClass, place);
+    else drive.spawnAnywhere(robotClass);
+  },
+  map: (name) => void changeMap(state, live, name),
+  groundAt: (x, y) => view.groundAt(x, y),
+  say,
+  refused: () => (state.isWatched ? 'this page shows the world of another program' : live.refused),
+});
 const pictures = new Pictures(state, (robots) => live.listenToCameras(robots));
 const world = new WorldPanel(
   state,
@@ -291,7 +306,7 @@ const actions: Action[] = [
   { name: 'Change the map', key: 'm', shown: 'M', run: press('map') },
   { name: 'Record a log, or stop', run: press('record') },
   { name: 'Save the world to a file', run: press('save') },
-  { name: 'Open a log to play it', key: 'o', shown: 'O', run: press('open-log') },
+  { name: 'Open a log, a robot, a world or a mesh', key: 'o', shown: 'O', run: press('open-log') },
   { name: 'Reset world', run: press('reset') },
   { name: 'Remove the chosen robot', run: removeRobot },
   { name: 'Score board of a league: large or small', key: 'b', shown: 'B', run: () => board.toggle() },

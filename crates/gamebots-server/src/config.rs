@@ -2,17 +2,18 @@
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::Duration;
 
 use gamebots_proto::Dialect;
-use scene::{MapDef, WorldDef};
+use scene::WorldDef;
 use served_world::Entrance;
 use sim_core::{Options, SavedWorld};
 use thread_pool::ThreadPool;
 
 use crate::access::rights::WorldControl;
 use crate::access::tokens::Tokens;
+use crate::maps::Maps;
+use crate::page::opener::Open;
 
 /// Configuration of a server.
 #[derive(Debug, Clone)]
@@ -22,7 +23,9 @@ pub struct Config {
     /// The state of that world to go on with; none for a new one. Its options replace those below.
     pub saved: Option<SavedWorld>,
     /// The maps that a viewer may change to.
-    pub maps: Vec<AvailableMap>,
+    pub maps: Maps,
+    /// Reader of the files of other programs that pages bring; without one they are refused.
+    pub open: Option<Open>,
     /// Seed and units.
     pub options: Options,
     /// Address to listen on.
@@ -66,36 +69,13 @@ pub struct Config {
     pub threads: ThreadPool,
 }
 
-/// A map that a viewer may change to. It is read when somebody does.
-#[derive(Clone)]
-pub struct AvailableMap {
-    /// Its name.
-    pub name: String,
-    /// One sentence about it.
-    pub description: String,
-    /// Reads it. It fails with the reason in words.
-    pub read: Arc<dyn Fn() -> Result<MapDef, String> + Send + Sync>,
-}
-
-impl From<MapDef> for AvailableMap {
-    fn from(map: MapDef) -> Self {
-        let (name, description) = (map.name.clone(), map.description.clone());
-        Self { name, description, read: Arc::new(move || Ok(map.clone())) }
-    }
-}
-
-impl std::fmt::Debug for AvailableMap {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.name)
-    }
-}
-
 impl Config {
     /// Creates a configuration with the defaults of USARSim: port 3000 on this machine, real time, 64 connections.
     pub fn new(world: WorldDef) -> Self {
         Self {
             saved: None,
-            maps: Vec::new(),
+            maps: Maps::default(),
+            open: None,
             #[cfg(feature = "ros2")]
             ros2: None,
             panic_at: None,

@@ -4,6 +4,8 @@ pub(crate) mod class;
 pub(crate) mod file;
 pub(crate) mod log_scene;
 pub(crate) mod metrics;
+pub(crate) mod open;
+pub(crate) mod opener;
 pub(crate) mod packed;
 #[cfg(feature = "ros2")]
 pub(crate) mod rosbridge;

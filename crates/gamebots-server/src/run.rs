@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use futures_util::future::join_all;
 use page_protocol::About;
+use scene::WorldDef;
 use served_world::{Entrance, Kind};
 use sim_core::World;
 use tokio::net::TcpListener;
@@ -22,6 +23,7 @@ use crate::door::accept::{self, Limit, listen};
 use crate::door::limits::{Limits, limits};
 use crate::error::ServeError;
 use crate::page::class::ClassPages;
+use crate::page::opener::Opener;
 use crate::page::packed::Packed;
 use crate::page::shared::{Framing, Site};
 use crate::page::site::Page;
@@ -162,7 +164,7 @@ fn subscribers(
             WorldControl::Local => options.dds.as_ref().is_none_or(|dds| dds.address.is_loopback()),
             WorldControl::Nobody => false,
         };
-        let maps = config.maps.iter().map(|map| (map.name.clone(), map.description.clone())).collect();
+        let maps = config.maps.list();
         let options = ros2::Options { may_control, maps, ..options.clone() };
         let is_open = options.rosbridge;
         let (feed, rosbridge) = ros2::start(options, world.options().speed_unit, site.entrance.clone())?;
@@ -287,6 +289,10 @@ fn site(
         limits: limits.named(),
         packed: Packed::default(),
         classes: ClassPages::new(&config.world.robots),
+        opener: config.open.clone().map(|open| {
+            let (maps, WorldDef { robots, league, .. }) = (config.maps.clone(), &config.world);
+            Opener::new(open, maps, robots.clone(), league.is_some())
+        }),
         pages: AtomicU64::new(0),
         framing: Framing::Nobody,
         #[cfg(feature = "ros2")]
@@ -300,7 +306,7 @@ fn about(config: &Config, addresses: &Ready) -> About {
         seed: config.options.seed,
         time_step: config.options.time_step,
         port: addresses.controllers().map_or(0, |address| address.port()),
-        maps: config.maps.iter().map(|map| (map.name.clone(), map.description.clone())).collect(),
+        maps: config.maps.list(),
     }
 }
 

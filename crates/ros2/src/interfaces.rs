@@ -34,6 +34,7 @@ pub(crate) mod code {
     pub(crate) const UNSUPPORTED_FORMAT: u8 = 103;
     pub(crate) const NO_RESOURCE: u8 = 104;
     pub(crate) const NAMESPACE_INVALID: u8 = 105;
+    pub(crate) const RESOURCE_PARSE_ERROR: u8 = 106;
     pub(crate) const INVALID_POSE: u8 = 109;
     // SpawnEntities
     pub(crate) const SPAWN_FAILED: u8 = 150;

@@ -24,7 +24,9 @@ mod thread;
 
 use std::ffi::OsString;
 use std::net::Ipv4Addr;
+use std::sync::Arc;
 
+use scene::RobotDef;
 use served_world::Entrance;
 use tokio::sync::mpsc::channel;
 
@@ -48,8 +50,21 @@ pub struct Dds {
     pub address: Ipv4Addr,
 }
 
+/// Reader of the URDFs that are spawned by their texts.
+#[derive(Clone)]
+pub struct ReadRobot(pub Arc<ReadUrdf>);
+
+/// The function of [`ReadRobot`]. It fails with the reason in words.
+pub type ReadUrdf = dyn Fn(&str) -> Result<RobotDef, String> + Send + Sync;
+
+impl std::fmt::Debug for ReadRobot {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("ReadRobot")
+    }
+}
+
 /// Settings of the node.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Options {
     /// DDS; `None` for clients of rosbridge alone.
     pub dds: Option<Dds>,
@@ -65,6 +80,8 @@ pub struct Options {
     pub may_control: bool,
     /// Maps that the world can change to, with a sentence about each.
     pub maps: Vec<(String, String)>,
+    /// Reader of robots; without one they are spawned by their classes alone.
+    pub read_robot: Option<ReadRobot>,
 }
 
 impl Default for Options {
@@ -78,6 +95,7 @@ impl Default for Options {
             controllers: Vec::new(),
             may_control: true,
             maps: Vec::new(),
+            read_robot: None,
         }
     }
 }

@@ -18,6 +18,7 @@ use tokio::time::{Instant, sleep};
 use crate::interfaces::{self as srv, Request, category, code, scope, state};
 use crate::node::{Caller, Node, ReadJson, Reply, cdr_of};
 use crate::pipe::Order;
+use crate::{Options, ReadRobot};
 
 /// Longest wait for a reset, and for each step, real time.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -29,6 +30,9 @@ const NEWS: Duration = Duration::from_millis(400);
 const MOST_STEPS: u64 = 100_000;
 /// Most robots of one call.
 const MOST_SPAWNED: usize = 256;
+/// Ways to name a robot that is to come.
+const SPAWNED_BY: &str =
+    "expected the name of a class as the URI, which GetSpawnables lists, or a URDF as resource_string";
 /// Largest compiled regular expression of a filter, bytes.
 const FILTER_BYTES: usize = 1 << 16;
 
@@ -52,6 +56,7 @@ pub(crate) struct Desk {
     latest: Latest,
     /// Maps that the world can change to, with a sentence about each.
     maps: Arc<[(String, String)]>,
+    read_robot: Option<ReadRobot>,
 }
 
 /// A robot or an object by its name.
@@ -64,14 +69,15 @@ struct Entity {
 }
 
 impl Desk {
-    pub(crate) fn new(entrance: &Entrance, latest: Latest, maps: Arc<[(String, String)]>) -> Self {
+    pub(crate) fn new(entrance: &Entrance, latest: Latest, options: &Options) -> Self {
         Self {
             inquiry: entrance.guest(Kind::Ros2),
             entrance: entrance.clone(),
             spawner: Arc::default(),
             mover: Arc::default(),
             latest,
-            maps,
+            maps: options.maps.clone().into(),
+            read_robot: options.read_robot.clone(),
         }
     }
 
@@ -87,11 +93,11 @@ impl Desk {
         offer.add("step", "std_srvs/Trigger", async |desk: &Desk, _: srv::Empty| triggered(desk.step(1).await));
         offer.add("reset", "std_srvs/Trigger", async |desk: &Desk, _: srv::Empty| triggered(desk.reset().await));
         offer.add("save", "std_srvs/Trigger", async |desk: &Desk, _: srv::Empty| desk.trigger(Control::Save).await);
-        offer.standard("GetSimulatorFeatures", async |_: &Desk, _: srv::Empty| srv::Features {
+        offer.standard("GetSimulatorFeatures", async |desk: &Desk, _: srv::Empty| srv::Features {
             features: srv::SimulatorFeatures {
                 features: srv::FEATURES.to_vec(),
-                spawn_formats: Vec::new(),
-                custom_info: "robots are spawned by the names of their classes: GetSpawnables".to_owned(),
+                spawn_formats: desk.read_robot.iter().map(|_| "urdf".to_owned()).collect(),
+                custom_info: SPAWNED_BY.to_owned(),
             },
         });
         offer.standard("GetSimulationState", async |desk: &Desk, _: srv::Empty| desk.state().await);
@@ -397,12 +403,8 @@ impl Desk {
         let failed = |result, why: &str| Err(srv::Result::failed(result, why));
         let srv::SpawnEntity { name: called, allow_renaming, entity_resource, entity_namespace, initial_pose } = wanted;
         let srv::Resource { uri, resource_string } = entity_resource;
-        if !resource_string.is_empty() {
-            let why = "robots are spawned by the names of their classes: `serve --robot FILE.urdf` adds one";
-            return failed(code::UNSUPPORTED_FORMAT, why);
-        }
-        if uri.is_empty() {
-            return failed(code::NO_RESOURCE, "expected the name of a class as the URI: GetSpawnables lists them");
+        if uri.is_empty() && resource_string.is_empty() {
+            return failed(code::NO_RESOURCE, SPAWNED_BY);
         }
         if !(entity_namespace.is_empty() || entity_namespace.trim_start_matches('/') == name(&called)) {
             let why = format!("`{entity_namespace}`: a robot's namespace is its name");
@@ -410,8 +412,11 @@ impl Desk {
         }
         let placed = placed(&initial_pose.header.frame_id, &initial_pose.pose);
         let (location, rotation) = placed.ok_or_else(|| srv::Result::failed(code::INVALID_POSE, POSE_RULE))?;
-        let name = self.free_name(called, &uri, allow_renaming)?;
-        let init = Init { class_name: uri, name: name.clone(), location, rotation, ..Init::default() };
+        // A robot whose name is taken adds no class.
+        let wanted = if uri.is_empty() { "robot" } else { &uri };
+        let name = self.free_name(called, wanted, allow_renaming)?;
+        let class_name = if resource_string.is_empty() { uri } else { self.add_class(resource_string).await? };
+        let init = Init { class_name, name: name.clone(), location, rotation, ..Init::default() };
         let answer = self.order(&self.spawner, None, Command::Init(init)).await;
         let answer = answer.map_err(|why| srv::Result::failed(code::OPERATION_FAILED, why))?;
         if answer.spawned.is_some() {
@@ -420,6 +425,17 @@ impl Desk {
         }
         let why: Vec<String> = answer.problems.iter().map(ToString::to_string).collect();
         failed(code::OPERATION_FAILED, &why.join("; "))
+    }
+
+    /// Adds the class of a URDF, and returns its name.
+    async fn add_class(&self, text: String) -> Result<String, srv::Result> {
+        let unsupported = || srv::Result::failed(code::UNSUPPORTED_FORMAT, "robots are spawned by their classes alone");
+        let ReadRobot(read) = self.read_robot.clone().ok_or_else(unsupported)?;
+        let (scene, _) = self.latest().ok_or_else(|| srv::Result::failed(code::OPERATION_FAILED, stops()))?;
+        let add = move || scene.def().robots.add(read(&text)?).map(str::to_owned);
+        let added = tokio::task::spawn_blocking(add).await;
+        let added = added.unwrap_or_else(|_| Err("a defect: the URDF cannot be read".to_owned()));
+        added.map_err(|why| srv::Result::failed(code::RESOURCE_PARSE_ERROR, why))
     }
 
     /// Returns the name of a new robot of a class: its own, or, if it may be renamed, one that nobody has.

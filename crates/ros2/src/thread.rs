@@ -117,7 +117,7 @@ impl Bridge {
         let (robots, objects) = (BTreeMap::new(), BTreeMap::new());
         let (scene, latest, last) = (None, Latest::default(), None);
         let services = if shared.options.may_control {
-            Desk::new(&shared.entrance, latest.clone(), shared.options.maps.clone().into()).open(&mut node, replies)
+            Desk::new(&shared.entrance, latest.clone(), &shared.options).open(&mut node, replies)
         } else {
             Vec::new()
         };

@@ -54,7 +54,7 @@ impl<A: Audience> ServedWorld<A> {
                 return;
             }
             Control::Map(name) => {
-                self.change_map(name, actor);
+                self.restarts.ask(Restart { map: Some(name), actor });
                 return;
             }
             Control::Save => {
@@ -96,17 +96,6 @@ impl<A: Audience> ServedWorld<A> {
         };
         sessions.remove(robot, &mut |world, news| circle.hear(world, news));
         Some(name)
-    }
-
-    /// Requests a restart on another map, if one has that name.
-    fn change_map(&mut self, name: String, actor: Actor) {
-        let maps = &self.settings.maps;
-        if maps.contains(&name) {
-            self.restarts.ask(Restart { map: Some(name), actor });
-        } else {
-            let text = format!("no map `{name}`: expected {}", maps.join(", "));
-            self.tell(&Told::Notice(&text));
-        }
     }
 
     /// Begins a save if one is due.

@@ -33,8 +33,6 @@ pub struct Settings {
     pub real_time_factor: f64,
     /// True to tell clients what was wrong with their lines.
     pub report_errors: bool,
-    /// Names of the maps that a viewer can change to.
-    pub maps: Vec<String>,
     /// Limits of what is logged about clients.
     pub budgets: Budgets,
 }

@@ -1,6 +1,6 @@
 //! `usarsim import`: makes a robot's folder from a ROS description package.
 
-mod xacro;
+pub(crate) mod xacro;
 
 use std::path::{Path, PathBuf};
 
@@ -133,7 +133,7 @@ fn class(text: &str) -> Result<String, String> {
 }
 
 /// Returns the folders in which ROS has its packages.
-fn searched_folders() -> Vec<PathBuf> {
+pub(crate) fn searched_folders() -> Vec<PathBuf> {
     let paths = |name: &str| std::env::var_os(name).map(|paths| std::env::split_paths(&paths).collect::<Vec<_>>());
     let shares = paths("AMENT_PREFIX_PATH").unwrap_or_default().into_iter().map(|prefix| prefix.join("share"));
     paths("ROS_PACKAGE_PATH").unwrap_or_default().into_iter().chain(shares).filter(|path| path.is_dir()).collect()
@@ -157,20 +157,28 @@ fn say(folder: &Path, imported: &Imported) {
     for (name, _) in &imported.files {
         print(folder.join(name).display());
     }
-    let Imported { robot, guessed, replaced, left_out, .. } = imported;
+    let Imported { guessed, replaced, left_out, .. } = imported;
     for (what, notes) in [("guessed", guessed), ("replaced", replaced), ("left out", left_out)] {
         notes.iter().for_each(|note| print(format_args!("{what}: {note}")));
     }
+    verdict(imported).iter().for_each(print);
+    let notes = [(guessed, "guessed"), (replaced, "replaced"), (left_out, "left out")];
+    let notes: Vec<String> = notes.iter().map(|(notes, what)| format!("{} {what}", notes.len())).collect();
+    print(format_args!("notes: {}, above; --wheels and --drive say what the guess has wrong", notes.join(", ")));
+}
+
+/// Says what a robot is, and how it drives.
+pub(crate) fn verdict(imported: &Imported) -> [String; 2] {
+    let robot = &imported.robot;
     let driven = robot.driven().count();
     let casters = robot.wheels().count() - driven;
     let joints = robot.links.iter().filter(|link| link.wheel.is_none() && link.has_value()).count();
     let (wheels, casters) = (count(driven, "driven wheel"), count(casters, "caster"));
     let (class, mass, joints) = (&robot.class, robot.mass(), count(joints, "joint"));
-    print(format_args!("{class}: {}, {mass:.1} kg, {wheels}, {casters}, {joints}", steering(imported)));
-    print(format_args!("drives: {}", drives(robot)));
-    let notes = [(guessed, "guessed"), (replaced, "replaced"), (left_out, "left out")];
-    let notes: Vec<String> = notes.iter().map(|(notes, what)| format!("{} {what}", notes.len())).collect();
-    print(format_args!("notes: {}, above; --wheels and --drive say what the guess has wrong", notes.join(", ")));
+    [
+        format!("{class}: {}, {mass:.1} kg, {wheels}, {casters}, {joints}", steering(imported)),
+        format!("drives: {}", drives(robot)),
+    ]
 }
 
 /// Returns how a robot moves, in words.

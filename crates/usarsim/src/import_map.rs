@@ -113,26 +113,18 @@ fn scale(text: &str) -> Result<f64, String> {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { file, name, material, scale, floor, models, strict, json } = arguments;
     let models = folders_of_models(models);
-    let import =
-        MapImport { file, scale: *scale, materials: material, floor: *floor, models: &models, is_strict: *strict };
+    let import = MapImport {
+        file,
+        scale: *scale,
+        materials: material,
+        floor: *floor,
+        models: &models,
+        within: None,
+        is_strict: *strict,
+    };
     let bad = |error: LoadError| Failure::new(exit::BAD_DATA, error);
-    let mut made = scene_loader::import_map(&import).map_err(bad)?;
-    let folder = Path::new(name);
-    let (starts, size) = fill_new_folder(folder, || {
-        let (mut starts, mut size) = fill(folder, &made)?;
-        if starts.is_empty() && !floor && is_world(file) {
-            made = scene_loader::import_map(&MapImport { floor: true, ..import }).map_err(bad)?;
-            made.notes.push(
-                "a floor is added below everything, as there is no place on which a robot could stand".to_owned(),
-            );
-            (starts, size) = fill(folder, &made)?;
-        }
-        if starts.is_empty() {
-            let hint = "no place on which a robot could stand: expected a floor. --floor adds one, --scale turns other units into metres";
-            return Err(Failure::new(exit::BAD_DATA, hint));
-        }
-        Ok((starts, size))
-    })?;
+    let (folder, map) = (Path::new(name), scene_loader::import_map(&import).map_err(bad)?);
+    let Made { map: made, starts, size } = fill_new_folder(folder, || make(folder, &import, map, is_world(file)))?;
     if *json {
         let solid = |it: &ImportedSolid| {
             let ImportedSolid { name, kind, material, triangles, is_movable } = it;
@@ -157,26 +149,56 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     for (name, [x, y, z]) in &starts {
         print(format_args!("{name}: at {x}, {y}, {z}"));
     }
-    verdict(name, &made, size);
-    Ok(())
-}
-
-/// Says in three lines what the map is, how it touches, and what was left out.
-fn verdict(name: &str, made: &ImportedMap, [x, y, z]: [f64; 3]) {
-    let pushed = made.solids.iter().filter(|solid| solid.is_movable).count();
-    let pushed = if pushed == 0 { "none can be pushed".to_owned() } else { format!("{pushed} can be pushed") };
-    print(format_args!("{name}: {} over {x:.1} x {y:.1} x {z:.1} m, {pushed}", count(made.solids.len(), "solid")));
-    let mut materials = BTreeMap::<&str, usize>::new();
-    made.solids.iter().for_each(|solid| *materials.entry(&solid.material).or_default() += 1);
-    let materials: Vec<String> = materials.iter().map(|(name, count)| format!("{count} of {name}")).collect();
-    print(format_args!(
-        "materials: {}; --material 'PATTERN=MATERIAL' changes them",
-        names::listed(materials.iter().map(String::as_str))
-    ));
+    let [map, materials] = verdict(name, &made, size);
+    print(map);
+    print(format_args!("{materials}; --material 'PATTERN=MATERIAL' changes them"));
     match made.notes.len() {
         0 => print("nothing is left out"),
         notes => print(format_args!("left out or changed: {}, above", count(notes, "note"))),
     }
+    Ok(())
+}
+
+/// A map in its folder.
+pub(crate) struct Made {
+    pub(crate) map: ImportedMap,
+    /// Start poses.
+    pub(crate) starts: Starts,
+    /// Extent along the axes, m.
+    pub(crate) size: [f64; 3],
+}
+
+/// Writes an imported map into a new folder. If no robot could stand on it and it `may_get_floor`, it is imported again with a floor.
+pub(crate) fn make(
+    folder: &Path,
+    import: &MapImport,
+    mut map: ImportedMap,
+    may_get_floor: bool,
+) -> Result<Made, Failure> {
+    let bad = |error: LoadError| Failure::new(exit::BAD_DATA, error);
+    let (mut starts, mut size) = fill(folder, &map)?;
+    if starts.is_empty() && !import.floor && may_get_floor {
+        map = scene_loader::import_map(&MapImport { floor: true, ..*import }).map_err(bad)?;
+        let why = "a floor is added below everything, as there is no place on which a robot could stand";
+        map.notes.push(why.to_owned());
+        (starts, size) = fill(folder, &map)?;
+    }
+    if starts.is_empty() {
+        let hint = "no place on which a robot could stand: expected a floor. --floor adds one, --scale turns other units into metres";
+        return Err(Failure::new(exit::BAD_DATA, hint));
+    }
+    Ok(Made { map, starts, size })
+}
+
+/// Says what a map is, and how it touches.
+pub(crate) fn verdict(name: &str, made: &ImportedMap, [x, y, z]: [f64; 3]) -> [String; 2] {
+    let pushed = made.solids.iter().filter(|solid| solid.is_movable).count();
+    let pushed = if pushed == 0 { "none can be pushed".to_owned() } else { format!("{pushed} can be pushed") };
+    let map = format!("{name}: {} over {x:.1} x {y:.1} x {z:.1} m, {pushed}", count(made.solids.len(), "solid"));
+    let mut materials = BTreeMap::<&str, usize>::new();
+    made.solids.iter().for_each(|solid| *materials.entry(&solid.material).or_default() += 1);
+    let materials: Vec<String> = materials.iter().map(|(name, count)| format!("{count} of {name}")).collect();
+    [map, format!("materials: {}", names::listed(materials.iter().map(String::as_str)))]
 }
 
 /// True for a world or model of Gazebo, which may have no floor.
@@ -185,7 +207,7 @@ fn is_world(file: &Path) -> bool {
 }
 
 /// Start poses by name.
-type Starts = Vec<(&'static str, [f64; 3])>;
+pub(crate) type Starts = Vec<(&'static str, [f64; 3])>;
 
 /// Writes the files of a map into its new folder, with the start poses that are free. Returns these, and the map's extent along its axes, m.
 fn fill(folder: &Path, made: &ImportedMap) -> Result<(Starts, [f64; 3]), Failure> {

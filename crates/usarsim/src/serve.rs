@@ -1,5 +1,6 @@
 //! `usarsim serve`.
 
+mod opened;
 #[cfg(feature = "ros2")]
 mod ros2;
 
@@ -12,7 +13,8 @@ use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gamebots_proto::Dialect;
 use gamebots_server::{
-    AvailableMap, Config, IfTaken, ImageKind, Listener, Propagation, Ready, ServeError, Service, Tokens, WorldControl,
+    AvailableMap, Config, IfTaken, ImageKind, Listener, Open, Propagation, Ready, ServeError, Service, Tokens,
+    WorldControl,
 };
 use scene::{DriveModel, MapDef};
 use scene_loader::{Changes, Communication, Controllers, LeagueFile, Override};
@@ -329,12 +331,16 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     listeners.extend(beside(arguments.com_server, Service::ComServer, COM_SERVER_PORT));
     let threads = arguments.threads.map_or_else(ThreadPool::of_machine, |threads| ThreadPool::new(threads as usize));
     #[cfg(feature = "ros2")]
-    let ros2 = arguments.ros2.options(tokens.is_some(), &world)?;
+    let ros2 = arguments.ros2.options(tokens.is_some(), &world)?.map(|options| ::ros2::Options {
+        read_robot: Some(::ros2::ReadRobot(Arc::new(move |text| opened::robot_of_text(text, drive_model)))),
+        ..options
+    });
     let config = Config {
         #[cfg(feature = "ros2")]
         ros2,
         panic_at: arguments.panic_at,
-        maps: other_maps(&arguments.set, &world.map),
+        maps: other_maps(&arguments.set, &world.map).into(),
+        open: Some(Open(Arc::new(move |files, work, chosen| opened::open(files, work, chosen, drive_model)))),
         options: saved.as_ref().map_or(options, SavedWorld::options),
         saved,
         host: arguments.host,
@@ -410,7 +416,7 @@ fn other_maps(overrides: &[Override], first: &MapDef) -> Vec<AvailableMap> {
         }
         let (description, of) = (scene_loader::map_description(&name)?, name.clone());
         let read = Arc::new(move || scene_loader::map(&of, &[]).map_err(|error| error.to_string()));
-        Some(AvailableMap { name, description, read })
+        Some(AvailableMap { name, description, read, is_added: false })
     };
     std::iter::once(first.clone().into()).chain(names.filter_map(available)).collect()
 }

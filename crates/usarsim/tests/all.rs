@@ -9,3 +9,4 @@ mod figures;
 mod import;
 mod import_map;
 mod log;
+mod open;

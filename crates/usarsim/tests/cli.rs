@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use sim_core::{Options, World};
 
-fn usarsim() -> Command {
+pub(super) fn usarsim() -> Command {
     Command::new(env!("CARGO_BIN_EXE_usarsim"))
 }
 
@@ -17,13 +17,13 @@ fn repository() -> PathBuf {
 }
 
 /// A server process. It is killed on drop.
-struct Serving {
+pub(super) struct Serving {
     child: Child,
-    ready: serde_json::Value,
+    pub(super) ready: serde_json::Value,
 }
 
 impl Serving {
-    fn start(arguments: &[&str]) -> Self {
+    pub(super) fn start(arguments: &[&str]) -> Self {
         Self::start_with(arguments, Stdio::null())
     }
 
@@ -32,7 +32,7 @@ impl Serving {
     }
 
     /// Starts a command that serves, and waits until it is ready.
-    fn of(command: &mut Command, stderr: Stdio) -> Self {
+    pub(super) fn of(command: &mut Command, stderr: Stdio) -> Self {
         let mut child = command
             .args(["--port", "0", "--json"])
             .stdout(Stdio::piped())
@@ -45,18 +45,18 @@ impl Serving {
         Self { child, ready }
     }
 
-    fn connect(&self) -> TcpStream {
+    pub(super) fn connect(&self) -> TcpStream {
         let port = self.ready["port"].as_u64().expect("a port") as u16;
         TcpStream::connect(("127.0.0.1", port)).expect("a connection")
     }
 
-    fn signal(&self, name: &str) {
+    pub(super) fn signal(&self, name: &str) {
         // The shell's own kill: not every machine has a program of that name.
         let status = Command::new("sh").args(["-c", &format!("kill -{name} {}", self.child.id())]).status();
         assert!(status.expect("kill runs").success());
     }
 
-    fn wait(&mut self) -> std::process::ExitStatus {
+    pub(super) fn wait(&mut self) -> std::process::ExitStatus {
         self.child.wait().expect("it ends")
     }
 }

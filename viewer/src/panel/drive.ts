@@ -146,6 +146,11 @@ export class DrivePanel {
     this.form.choose(robotClass);
   }
 
+  /** Spawns a robot of a class at a place. In a league it enters at a start of its team. */
+  spawnAt(robotClass: string, location: Vector): void {
+    this.form.choose(robotClass, this.state.scene?.league ? null : location);
+  }
+
   /** Drives a robot if it was spawned here. */
   driveIfOwn(robot: number): void {
     const connection = this.state.robot(robot)?.connection;

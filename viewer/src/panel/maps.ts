@@ -19,7 +19,7 @@ export function offerMaps(state: State, live: Live): void {
     );
     button.onclick = () => {
       closeDialog();
-      void change(state, live, name);
+      void changeMap(state, live, name);
     };
     return button;
   });
@@ -29,7 +29,8 @@ export function offerMaps(state: State, live: Live): void {
   find('dialog').querySelector<HTMLElement>('[aria-pressed=true]')?.focus();
 }
 
-async function change(state: State, live: Live, map: string): Promise<void> {
+/** Changes the map, if those whose robots are there agree. */
+export async function changeMap(state: State, live: Live, map: string): Promise<void> {
   const agreed = () => othersAgree(state, `Change to ${map}?`, `start again on ${map}`, 'Change the map');
   if (live.refused || (await agreed())) live.control({ map });
 }

@@ -48,7 +48,6 @@ export class PlayBar {
       else server.control({ speed: Number(this.speed.value) });
     };
     find('live').onclick = () => playback.goLive();
-    this.buildOpening();
   }
 
   /** Updates the place of the shown moment in the time that can be shown, a few times a second. */
@@ -90,23 +89,6 @@ export class PlayBar {
       this.speed.append(make('option', { value: speed }, `${speed} ×`));
     }
     if (document.activeElement !== this.speed) this.speed.value = speed;
-  }
-
-  /** Opens logs by the button, or by dropping a file anywhere. */
-  private buildOpening(): void {
-    const input = find<HTMLInputElement>('log-file');
-    const open = (files: FileList | null | undefined) => files?.[0] && void this.playback.open(files[0]);
-    find('open-log').onclick = () => input.click();
-    input.onchange = () => {
-      open(input.files);
-      // So that the same file can be chosen again.
-      input.value = '';
-    };
-    window.addEventListener('dragover', (event) => event.preventDefault());
-    window.addEventListener('drop', (event) => {
-      event.preventDefault();
-      open(event.dataTransfer?.files);
-    });
   }
 
   private async resetWorld(): Promise<void> {

@@ -144,10 +144,13 @@ export class SpawnForm {
     if (!this.nameIsTyped) this.name.value = name;
   }
 
-  /** Chooses a class and presses the button for a person. */
-  choose(robotClass: string): void {
+  /** Chooses a class, and a place if one is given, and presses the button for a person. */
+  choose(robotClass: string, location: Vector | null = null): void {
     this.setClass(robotClass);
-    this.submit();
+    if (!location) return this.submit();
+    focusView();
+    this.place(null);
+    this.finish({ location, yaw: 0 }, null);
   }
 
   private submit(): void {

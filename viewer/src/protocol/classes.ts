@@ -1,4 +1,4 @@
-/** Asks the server for classes of robots: its scene names them all, and has none. */
+/** Asks the server for classes of robots: its scene names those of its start, and has none. */
 
 import type { RobotClass, Scene } from './scene';
 
@@ -27,11 +27,13 @@ export class ClassQuestions {
   /** Returns a class, which is then in the scene; null if the server has none of that name, or is lost. */
   want(name: string): Promise<RobotClass | null> {
     const known = this.answers.get(name);
-    if (known || !this.scene?.names.includes(name)) return known ?? Promise.resolve(null);
-    const { classes } = this.scene;
+    if (known || !this.scene) return known ?? Promise.resolve(null);
+    const { classes, names } = this.scene;
     const answer = this.fetch(name).then(
       (robotClass) => {
         classes[name] = robotClass;
+        // A class may come while the server runs.
+        if (!names.includes(name)) names.push(name);
         if (classes === this.scene?.classes) this.came();
         return robotClass;
       },

@@ -2,13 +2,19 @@
 
 import type { RobotClass, Scene, Spawned } from './scene';
 import { fetchWithToken } from './token';
-import type { Transport } from './transport';
+import type { Opened, Transport } from './transport';
 
 export const network: Transport = {
   scene: async () => (await json('scene.json')) as Scene,
   robotClass: async (name) => (await json(`class/${encodeURIComponent(name)}`)) as RobotClass,
   objects: async () => (await json('objects.json')) as Spawned[],
   sceneOfLog: async (world) => (await json('scene.json', { method: 'POST', body: world })) as Scene,
+  async openFiles(files, chosen) {
+    const form = new FormData();
+    files.forEach((file, path) => form.append(path, file));
+    const query = chosen === null ? '' : `?file=${encodeURIComponent(chosen)}`;
+    return (await json(`open${query}`, { method: 'POST', body: form })) as Opened;
+  },
   open(path, { opened, received, closed }) {
     const url = new URL(path, location.href);
     url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';

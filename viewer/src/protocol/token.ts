@@ -24,12 +24,23 @@ export function setToken(text: string): void {
   sessionStorage.setItem(KEY, text.trim());
 }
 
+/** The server could not answer, for a reason in words. */
+export class Failed extends Error {
+  constructor(
+    name: string,
+    status: number,
+    readonly reason: string,
+  ) {
+    super(`${name}: ${status} ${reason}`);
+  }
+}
+
 /** Fetches from the server with the token. */
 export async function fetchWithToken(name: string, init: RequestInit = {}): Promise<Response> {
   const own = token();
   const headers: HeadersInit = own === null ? {} : { Authorization: `Bearer ${own}` };
   const response = await fetch(name, { ...init, headers });
   if (response.status === 401) throw new Refused((await response.text()).trim());
-  if (!response.ok) throw new Error(`${name}: ${response.status} ${(await response.text()).trim()}`);
+  if (!response.ok) throw new Failed(name, response.status, (await response.text()).trim());
   return response;
 }

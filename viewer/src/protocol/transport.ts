@@ -10,9 +10,15 @@ export interface Transport {
   objects(): Promise<Spawned[]>;
   /** Returns the scene that the server makes of a log's world, in JSON. */
   sceneOfLog(world: string): Promise<Scene>;
+  /** Sends files of other programs, by their paths, to the server, which opens the chosen one, or the only one that it could be. */
+  openFiles(files: ReadonlyMap<string, File>, chosen: string | null): Promise<Opened>;
   /** Opens a connection: `live` shows and controls the world, `wire` is the protocol of controllers. */
   open(path: 'live' | 'wire', events: Events): Connection;
 }
+
+/** A class or a map that the server made of files, or a question which file is meant. */
+export type Opened =
+  (({ robot: string } | { map: string }) & { verdict: string[]; notes: string[] }) | { choices: string[] };
 
 export interface Connection {
   readonly isOpen: boolean;

@@ -11,6 +11,7 @@ use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
 use crate::access::rights::{Access, WorldControl};
 use crate::access::waiting_room::Stay;
 use crate::page::class::ClassPages;
+use crate::page::opener::Opener;
 use crate::page::packed::Packed;
 use crate::subscribers::live::Channels;
 
@@ -51,6 +52,8 @@ pub(crate) struct Site {
     pub(crate) limits: Vec<(&'static str, usize)>,
     pub(crate) packed: Packed,
     pub(crate) classes: ClassPages,
+    /// Opener of the files of other programs, if the server opens any.
+    pub(crate) opener: Option<Opener>,
     /// Number of pages opened so far; it numbers the pages.
     pub(crate) pages: AtomicU64,
     pub(crate) framing: Framing,

@@ -6,11 +6,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::extract::{Path, Request, State};
+use axum::extract::{DefaultBodyLimit, Path, Request, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
+use axum::routing::{get, post};
 use axum::{Extension, Router};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -25,7 +25,7 @@ use crate::access::tokens::Role;
 use crate::access::waiting_room::Visitor;
 use crate::page::packed::json;
 use crate::page::shared::{Peer, Site, Visit};
-use crate::page::{file, log_scene, metrics, viewer, wire};
+use crate::page::{file, log_scene, metrics, open, viewer, wire};
 
 /// Longest time for the head of a request, and for a client to read its response.
 const TIMEOUT: Duration = Duration::from_secs(10);
@@ -48,7 +48,8 @@ impl Page {
             .route("/league.json", get(league))
             .route_layer(for_viewers.clone())
             .route("/live", get(viewer::upgrade))
-            .route("/wire", get(wire::upgrade));
+            .route("/wire", get(wire::upgrade))
+            .route("/open", post(open::answer).layer(DefaultBodyLimit::max(open::MAX_BYTES)));
         #[cfg(feature = "ros2")]
         let router = router
             .route("/", get(crate::page::rosbridge::root))

@@ -82,6 +82,7 @@ impl View {
             limits: Vec::new(),
             packed: Packed::default(),
             classes: ClassPages::new(&def.robots),
+            opener: None,
             pages: AtomicU64::new(0),
             framing: Framing::Local,
             #[cfg(feature = "ros2")]

@@ -110,6 +110,8 @@ pub(crate) struct Broadcast {
     scene: watch::Sender<Bytes>,
     /// The server's part of the scene; none if no page is served.
     about: Option<About>,
+    /// Number of classes in the scene.
+    classes: usize,
     /// Number of changes of the scene.
     scenes: u64,
     cameras: Cameras,
@@ -161,6 +163,7 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>, bo
         readings,
         scene,
         about,
+        classes: world.robots.len(),
         scenes: 0,
         cameras,
         objects,
@@ -182,6 +185,17 @@ impl Broadcast {
     /// Publishes another map.
     fn show(&mut self, world: &WorldDef) {
         self.scenes += 1;
+        // A map that came while the server runs can be chosen again.
+        if let Some(About { maps, .. }) = &mut self.about
+            && !maps.iter().any(|(name, _)| *name == world.map.name)
+        {
+            maps.push((world.map.name.clone(), world.map.description.clone()));
+        }
+        self.write_scene(world);
+    }
+
+    fn write_scene(&mut self, world: &WorldDef) {
+        self.classes = world.robots.len();
         self.scene.send_replace(scene(world, self.about.as_ref()));
     }
 
@@ -209,6 +223,10 @@ impl Broadcast {
         self.frames.send_replace(page_protocol::frame(scene, snapshot).into());
         if let Some(status) = status {
             self.next_status = now + STATUS_INTERVAL;
+            // A class that came is known to pages that open from now on.
+            if self.classes != scene.robots.len() {
+                self.write_scene(scene);
+            }
             let (scene, viewers) = (self.scenes, self.viewers.saturating_sub(1));
             let objects = self.spawned.1;
             let status = Status { scene, objects, viewers, ..status };

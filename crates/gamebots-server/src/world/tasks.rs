@@ -9,14 +9,14 @@ use served_world::{Event, Task};
 use sim_core::{CompiledScene, World};
 use thread_pool::ThreadPool;
 
-use crate::config::AvailableMap;
 use crate::files::{is_kept, numbered};
+use crate::maps::Maps;
 use crate::world::saves;
 
 /// Threads that make fresh worlds and write saves.
 pub(crate) struct Tasks {
     /// Maps that a fresh world can have.
-    maps: Vec<AvailableMap>,
+    maps: Maps,
     /// Threads of the fresh worlds' steps.
     pool: Arc<ThreadPool>,
     /// File of saves; it gets a number if the file exists.
@@ -32,7 +32,7 @@ struct Running {
 }
 
 impl Tasks {
-    pub(crate) fn new(maps: Vec<AvailableMap>, pool: Arc<ThreadPool>, saved_as: PathBuf) -> Self {
+    pub(crate) fn new(maps: Maps, pool: Arc<ThreadPool>, saved_as: PathBuf) -> Self {
         Self { maps, pool, saved_as, running: Vec::new() }
     }
 
@@ -40,9 +40,11 @@ impl Tasks {
     pub(crate) fn start(&mut self, task: Task) {
         match task {
             Task::Make { scene, options, map } => {
-                let map = map.and_then(|name| self.maps.iter().find(|map| map.name == name).cloned());
-                let pool = self.pool.clone();
-                let make = move || Event::Made(make(scene, options, map).map(|fresh| Box::new(fresh.on_threads(pool))));
+                let (maps, pool) = (self.maps.clone(), self.pool.clone());
+                let make = move || {
+                    let fresh = make(scene, options, map, &maps);
+                    Event::Made(fresh.map(|fresh| Box::new(fresh.on_threads(pool))))
+                };
                 self.run("restart", make, || {
                     Event::Made(Err("not reset: the fresh world could not be made".to_owned()))
                 });
@@ -87,9 +89,13 @@ impl Tasks {
     }
 }
 
-/// Makes a fresh world.
-fn make(scene: CompiledScene, options: Options, map: Option<AvailableMap>) -> Result<World, String> {
-    let Some(AvailableMap { name, read, .. }) = map else { return Ok(World::new(scene, options)) };
-    let map = read().map_err(|reason| format!("not changed to the map {name}: {reason}"))?;
+/// Makes a fresh world, on another map if one is named.
+fn make(scene: CompiledScene, options: Options, map: Option<String>, maps: &Maps) -> Result<World, String> {
+    let Some(name) = map else { return Ok(World::new(scene, options)) };
+    let map = maps.find(&name).ok_or_else(|| {
+        let names: Vec<String> = maps.list().into_iter().map(|(name, _)| name).collect();
+        format!("no map `{name}`: expected {}", names.join(", "))
+    })?;
+    let map = (map.read)().map_err(|reason| format!("not changed to the map {name}: {reason}"))?;
     Ok(World::new(scene.on_map(map), options))
 }

@@ -34,8 +34,7 @@ pub(crate) fn spawn(
     let Config { maps, real_time_factor, report_errors, log, ros2_log, unnamed_log, threads, .. } = config;
     let pool = Arc::new(threads.clone());
     let world = world.on_threads(pool.clone());
-    let settings =
-        Settings { real_time_factor, report_errors, maps: maps.iter().map(|map| map.name.clone()).collect(), budgets };
+    let settings = Settings { real_time_factor, report_errors, budgets };
     let mut tasks = Tasks::new(maps, pool, unnamed_log.with_extension("json"));
     let mut recording = Recording::new(world.options(), real_time_factor, ros2_log, unnamed_log);
     if let Some(path) = log {

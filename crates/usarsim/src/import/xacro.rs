@@ -23,8 +23,12 @@ const MAX_LINES: usize = 8;
 
 /// True for a file that ends in `.xacro`, or declares xacro and uses it. Any other file starts no other program.
 pub(super) fn is_needed(file: &Path, text: &str) -> bool {
-    file.extension().is_some_and(|ending| ending == "xacro")
-        || ["<xacro:", "${", "$("].iter().any(|it| text.contains(it)) && scene_loader::declares_xacro(text)
+    file.extension().is_some_and(|ending| ending == "xacro") || is_used(text)
+}
+
+/// True for a text that declares xacro and uses it.
+pub(crate) fn is_used(text: &str) -> bool {
+    ["<xacro:", "${", "$("].iter().any(|it| text.contains(it)) && scene_loader::declares_xacro(text)
 }
 
 /// Returns the folders of PYTHONPATH in which Python may search modules: absolute ones, without the current folder and that of the file.
