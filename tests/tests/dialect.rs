@@ -93,6 +93,27 @@ fn the_p2dx_sends_lines_of_the_shapes_that_the_genuine_server_sent() {
     assert_eq!(compared, expected.map(str::to_owned).into());
 }
 
+/// 0.01745 rad a tick, with half a percent of noise.
+#[test]
+fn encoders_of_a_camera_count_its_pan_and_tilt_and_none_count_nothing() {
+    for (class, expected) in [("P2AT", [14.3, 28.6]), ("P2DX", [0.0; 2])] {
+        let server = Server::start("smooth", &[], |config| config.real_time_factor = 5.0);
+        let mut peer = server.client();
+        peer.send(&format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,0}} {{Name R1}}"));
+        peer.send("MISPKG {Name CameraPanTilt} {Link 1} {Value 0.5} {Link 2} {Value 0.25}");
+        let mut last = String::new();
+        // The camera turns for a second. Whoever has none reports zeros at once.
+        let fits = (0..2000).any(|_| {
+            let line = peer.line_or_end().expect("a line");
+            let Some((_, camera)) = line.split_once("{Name ECTilt Tick ") else { return false };
+            let ticks: Vec<f64> = camera.split(['}', ' ']).filter_map(|word| word.parse().ok()).collect();
+            last.clone_from(&line);
+            ticks.len() == 2 && ticks.iter().zip(expected).all(|(tick, expected)| (tick - expected).abs() <= 1.0)
+        });
+        assert!(fits, "{class}: {last}");
+    }
+}
+
 #[test]
 fn shapes_keep_keys_order_nesting_and_decimals() {
     for (line, expected) in [

@@ -17,12 +17,15 @@ pub struct Config {
     pub noise: f64,
     /// Number of the driven wheel it reads, from 0. Without it: every wheel i for which the name contains `W<i>`, as in USARSim.
     pub wheel: Option<usize>,
+    /// Name of the joint that it reads in place of a wheel. Of a joint that the robot does not have it counts nothing: UT2004's robots
+    /// report encoders of a pan and tilt unit with and without one.
+    pub joint: Option<String>,
 }
 
 impl Default for Config {
     /// Defaults of DefaultUSAR.ini:89-92.
     fn default() -> Self {
-        Self { resolution: 0.01745, noise: 0.005, wheel: None }
+        Self { resolution: 0.01745, noise: 0.005, wheel: None, joint: None }
     }
 }
 
