@@ -195,6 +195,7 @@ fn apply(change: &Change, robot: &mut urdf_rs::Robot) {
                 (joint.limit.effort, joint.limit.velocity) = (*effort, *velocity);
             }
         }
+        Change::Turn(yaw) => urdf::turn(robot, *yaw),
         Change::NoCollision(name) => {
             robot.links.iter_mut().filter(|link| &link.name == name).for_each(|link| link.collision.clear());
         }

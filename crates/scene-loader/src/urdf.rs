@@ -7,6 +7,7 @@ mod check;
 mod clean;
 mod hulls;
 mod looks;
+mod turn;
 
 use std::collections::BTreeMap;
 
@@ -18,6 +19,7 @@ use urdf_rs::{Geometry, JointType};
 
 use self::check::{Check, unexpanded};
 use self::looks::Looks;
+pub(crate) use self::turn::turn;
 use crate::mesh;
 use crate::problem::{Problems, Unread};
 use crate::source::Source;
@@ -135,6 +137,13 @@ pub(crate) fn parse<'t>(shown: &str, text: &'t str, problems: &mut Problems) -> 
     })?;
     left_out.extend(ignored(document.root_element()));
     Ok(Parsed { document, robot, left_out })
+}
+
+/// Returns the text of a URDF that is turned about the vertical, rad, counterclockwise from above; `None` if it cannot be read.
+pub(crate) fn turned(text: &str, yaw: f64) -> Option<String> {
+    let mut robot = parse("", text, &mut Problems::default()).ok()?.robot;
+    turn(&mut robot, yaw);
+    urdf_rs::write_to_string(&robot).ok()
 }
 
 /// Reads a URDF; its links get the given material.

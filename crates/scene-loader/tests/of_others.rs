@@ -159,14 +159,46 @@ fn a_revolute_joint_that_turns_many_times_is_a_wheel_on_the_ground() {
 }
 
 #[test]
-fn a_wheel_about_another_axis_is_said_to_be_none() {
-    let places = [("fl", -0.2, 0.2), ("fr", 0.2, 0.2), ("rl", -0.2, -0.2), ("rr", 0.2, -0.2)];
+fn a_robot_that_faces_elsewhere_is_turned_to_drive_along_its_x() {
+    // Its front is at y, so its left is at -x.
+    let places = [("fl", -0.2, 0.3), ("fr", 0.2, 0.3), ("rl", -0.2, -0.3), ("rr", 0.2, -0.3)];
     let wheels = places.map(|(name, x, y)| WheelOf(name, [x, y, 0.1], "1 0 0", "", "continuous").text()).concat();
-    let robot = said(
-        &format!("<robot name='r'>{BODY}{wheels}</robot>"),
-        &["joints fl_joint, fr_joint, rl_joint, rr_joint: no wheel, as"],
-    );
-    assert_eq!(robot.steering, Steering::None);
+    let text = format!("<robot name='r'>{BODY}{wheels}</robot>");
+    let robot = said(&text, &["roll at 90 degrees to its x, so it is turned"]);
+    // The robot that import writes is turned, too.
+    let folder = folder(&[("r.urdf", text.as_bytes())]);
+    let file = &folder.path().join("r.urdf");
+    let packages = &Packages::around(file, &[], &[]).expect("packages");
+    let made = import(&Import { file, text: &text, class: "R", packages, wheels: &[], drive: None })
+        .unwrap_or_else(|error| panic!("{error}"));
+    let written = made.files.iter().find_map(|(name, content)| match content {
+        scene_loader::Content::Text(text) if name.ends_with(".urdf") => Some(text),
+        _ => None,
+    });
+    let again = load(written.expect("a URDF").as_bytes()).unwrap_or_else(|error| panic!("{error}"));
+    for robot in [robot, made.robot, again] {
+        assert_eq!(robot.steering, Steering::Skid);
+        for (name, place) in [("fl", [0.3, -0.2]), ("fr", [0.3, 0.2]), ("rl", [-0.3, -0.2]), ("rr", [-0.3, 0.2])] {
+            let wheel = robot.wheels().find(|wheel| wheel.name == format!("{name}_joint")).expect("a wheel");
+            let far = [0, 1].map(|axis| (wheel.position[axis] - place[axis]).abs());
+            assert!(far.iter().all(|far| *far < 1e-9), "{name}: {:?}", wheel.position);
+        }
+    }
+}
+
+#[test]
+fn a_wheel_about_another_axis_is_said_to_be_none() {
+    let wheel = |(name, x, y): (&str, f64, f64), axis: &str| WheelOf(name, [x, y, 0.1], axis, "", "continuous").text();
+    // Three axes in a star, and two that are parallel but carry no wheels of two sides.
+    let star = ["1 0 0", "-0.5 0.866 0", "-0.5 -0.866 0"];
+    let places = [("a", 0.2, 0.0), ("b", -0.1, 0.17), ("c", -0.1, -0.17)];
+    let star: String = places.into_iter().zip(star).map(|(place, axis)| wheel(place, axis)).collect();
+    let aside = [("a", 0.2, 0.1), ("b", 0.2, -0.1)].map(|place| wheel(place, "1 0 0")).concat();
+    for (wheels, joints) in [(star, "joints a_joint, b_joint, c_joint"), (aside, "joints a_joint, b_joint")] {
+        let text = format!("<robot name='r'>{BODY}{wheels}</robot>");
+        let robot = said(&text, &[&format!("{joints}: no wheel, as")]);
+        assert_eq!(robot.steering, Steering::None);
+    }
 }
 
 #[test]

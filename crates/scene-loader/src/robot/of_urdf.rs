@@ -69,6 +69,8 @@ pub(crate) enum Change {
     NoCollision(String),
     /// A joint has these limits of effort and velocity.
     Limit(String, [f64; 2]),
+    /// The robot is turned about the vertical, rad, counterclockwise from above.
+    Turn(f64),
 }
 
 /// Knowledge of a robot's wheels beside its URDF.
@@ -93,7 +95,7 @@ pub enum WheelDrive {
     Car,
 }
 
-/// Guesses a robot.
+/// Guesses a robot. One whose wheels roll along another axis than x is turned, so that it drives along its x.
 pub(crate) fn read(
     source: &Source,
     file: &str,
@@ -103,6 +105,37 @@ pub(crate) fn read(
     known: Known,
     problems: &mut Problems,
 ) -> Option<Guessed> {
+    let (guessed, yaw) = guess(source, file, class, text, materials, known, problems)?;
+    let turned = yaw.and_then(|yaw| {
+        let text = urdf::turned(text, yaw)?;
+        let mut wrong = Problems::default();
+        let (guessed, _) = guess(source, file, class, &text, materials, known, &mut wrong)?;
+        (wrong.count() == 0 && guessed.robot.steering.is_on_wheels()).then_some((guessed, yaw))
+    });
+    if let Some((mut guessed, yaw)) = turned {
+        let degrees = -yaw.to_degrees();
+        guessed.robot.assumptions.insert(
+            0,
+            format!(
+                "its wheels roll at {degrees:.0} degrees to its x, so it is turned by as much and drives along its x"
+            ),
+        );
+        guessed.changes.push(Change::Turn(yaw));
+        return Some(guessed);
+    }
+    Some(guessed)
+}
+
+/// Guesses a robot as its file has it. Also returns the angle by which it has to be turned for its joints to be wheels, if any.
+fn guess(
+    source: &Source,
+    file: &str,
+    class: &str,
+    text: &str,
+    materials: &Materials,
+    known: Known,
+    problems: &mut Problems,
+) -> Option<(Guessed, Option<f64>)> {
     let material = |name: &str| materials.get(name).cloned().unwrap_or_default();
     let urdf = urdf::read(source, file, text, material(BODY), problems).ok()?;
     let mut guess = Guess {
@@ -113,6 +146,7 @@ pub(crate) fn read(
         wheels: Vec::new(),
         balls: Vec::new(),
         changes: Vec::new(),
+        other_axes: Vec::new(),
     };
     let shown = source.display(file);
     for joint in known.wheels.iter().filter(|joint| !guess.urdf.continuous.iter().any(|it| &it.joint == *joint)) {
@@ -127,6 +161,7 @@ pub(crate) fn read(
     }
     guess.find_wheels();
     let steering = guess.steering();
+    let yaw = rolling_yaw(&guess.other_axes);
     guess.free_casters();
     guess.hold_followers();
     guess.limit_motors();
@@ -157,7 +192,8 @@ pub(crate) fn read(
         wrong = check::robot(&robot);
     }
     wrong.into_iter().for_each(|message| problems.at(&shown, text, 0, message));
-    Some(Guessed { robot, changes })
+    let yaw = if steering.is_on_wheels() { None } else { yaw };
+    Some((Guessed { robot, changes }, yaw))
 }
 
 /// Returns the classes and names of a guessed robot's sensors: ground truth, and odometry if its wheels can have one.
@@ -192,6 +228,23 @@ struct Guess<'a> {
     /// Casters as the robot has them.
     balls: Vec<Link>,
     changes: Vec<Change>,
+    /// Axes of turning joints that are not sideways.
+    other_axes: Vec<[f64; 3]>,
+}
+
+/// Returns the angle by which a robot has to be turned for these axes to be sideways, rad, counterclockwise from above; `None` if they are
+/// not level or not parallel. Of both directions the one nearer to x, or else to the left, becomes forward.
+fn rolling_yaw(axes: &[[f64; 3]]) -> Option<f64> {
+    let (&[x, y, _], others) = axes.split_first()?;
+    let is_like = |axis: &[f64; 3]| (axis[0] * x + axis[1] * y).abs() > NEARLY;
+    if others.is_empty() || x.hypot(y) < NEARLY || !others.iter().all(is_like) {
+        return None;
+    }
+    // In the robot frame y is to the right.
+    let forward = [y, x];
+    let is_backward = if forward[0].abs() > 1.0 - NEARLY { forward[0] < 0.0 } else { forward[1] < 0.0 };
+    let [x, y] = if is_backward { forward.map(|part| -part) } else { forward };
+    Some(-y.atan2(x))
 }
 
 impl Guess<'_> {
@@ -218,7 +271,7 @@ impl Guess<'_> {
             let Some(joint) = link.joint.as_ref() else { continue };
             if joint.axis[1].abs() < NEARLY {
                 if joint.axis[2].abs() < NEARLY {
-                    other_axes.push(name.clone());
+                    other_axes.push((name.clone(), joint.axis));
                 }
                 continue;
             }
@@ -254,7 +307,8 @@ impl Guess<'_> {
             }
             found.push((continuous.link, made));
         }
-        for joint in other_axes {
+        for (joint, axis) in other_axes {
+            self.other_axes.push(axis);
             self.urdf.say_of(&joint, "no wheel, as it does not turn about y: a robot drives along its x");
         }
         let ground = found.iter().map(|(_, wheel)| bottom(wheel)).fold(f64::MIN, f64::max);
