@@ -3,11 +3,11 @@
 
     python3 -m venv venv && . venv/bin/activate && pip install xacro
     cargo build --release --bin usarsim      # or USARSIM names another build of the program
-    python3 bench/imports.py FOLDER [--only Husky] [--page docs/howto-import.md]
+    python3 bench/imports.py FOLDER [--later] [--only Husky] [--page docs/howto-import.md]
 
 FOLDER has a checkout of each repository below, by its name without the owner. None of them is part of this project. A robot on wheels is
-driven ahead at 2 rad/s and on the spot at 1 rad/s for two seconds on a smooth floor, and compared with wheels that do not slide. One
-with arms or legs moves its first joint that can by 0.3 rad.
+driven ahead at 2 rad/s and on the spot at 1 rad/s, a car with 0.2 rad of steering, for two seconds on a smooth floor, and compared with wheels
+that do not slide. One with arms or legs moves its first joint that can by 0.3 rad.
 Units: m, s, rad.
 """
 
@@ -21,8 +21,9 @@ import socket
 import subprocess
 import tempfile
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 
-PROGRAM = os.environ.get("USARSIM", "target/release/usarsim")
+PROGRAM = os.path.abspath(os.environ.get("USARSIM", "target/release/usarsim"))
 SIMULATED = {"stand": 3.0, "drive": 2.0}
 CREATE = "create3_sim/irobot_create_common/irobot_create_description"
 
@@ -50,6 +51,85 @@ ROBOTS = [
     ("Spot", "clearpathrobotics/spot_ros", "spot_description/urdf/spot.urdf.xacro", []),
     ("Pepper", "ros-naoqi/pepper_robot", "pepper_description/urdf/pepper1.0_generated_urdf/pepper.urdf", []),
     ("NaoV5", "ros-naoqi/nao_robot", "nao_description/urdf/naoV50_generated_urdf/nao.urdf", []),
+]
+
+# Robots that were chosen afterwards, to see if what was learnt from those above is enough.
+LATER = [
+    ("Fetch", "fetchrobotics/fetch_ros", "fetch_description/robots/fetch.urdf", []),
+    ("Freight", "fetchrobotics/fetch_ros", "fetch_description/robots/freight.urdf", []),
+    ("Hunter2", "agilexrobotics/ugv_gazebo_sim", "hunter/hunter2_base/urdf/hunter2_base.urdf", []),
+    ("HunterSE", "agilexrobotics/ugv_gazebo_sim", "hunter_se/hunter_se_description/urdf/hunter_se_description.urdf", []),
+    ("ScoutMini", "agilexrobotics/ugv_gazebo_sim", "scout/scout_description/urdf/scout_mini.xacro", []),
+    ("ScoutV2", "agilexrobotics/ugv_gazebo_sim", "scout/scout_description/urdf/scout_v2.xacro", []),
+    ("Bunker", "agilexrobotics/ugv_gazebo_sim", "bunker/bunker_description/urdf/bunker.urdf.xacro", []),
+    ("LimoFour", "agilexrobotics/ugv_gazebo_sim", "limo/limo_description/urdf/limo_four_diff.xacro", ["robot_namespace:=limo"]),
+    ("LimoAckermann", "agilexrobotics/ugv_gazebo_sim", "limo/limo_description/urdf/limo_ackerman.xacro", ["robot_namespace:=limo"]),
+    ("Autokit", "agilexrobotics/ugv_gazebo_sim", "autokit/urdf/autokit.urdf", []),
+    ("TracerMini", "agilexrobotics/ugv_gazebo_sim", "tracer_mini/urdf/tracer_mini.urdf", []),
+    ("Tracer", "agilexrobotics/ugv_gazebo_sim", "tracer/tracer_description/urdf/tracer_v1.xacro", []),
+    ("RangerMini2", "agilexrobotics/ugv_gazebo_sim", "ranger_mini/ranger_mini_v2/urdf/ranger_mini.xacro", []),
+    ("RangerMini3", "agilexrobotics/ugv_gazebo_sim", "ranger_mini/ranger_mini_v3/urdf/ranger_mini.xacro", []),
+    ("LimoS2", "agilexrobotics/ugv_gazebo_sim", "limo_s2/limo_s2_description/urdf/limo_s2.xacro", ["robot_namespace:=limo"]),
+    ("SteerBot", "agilexrobotics/ugv_gazebo_sim", "hunter/steer_drive_controller/test/common/urdf/steerbot.xacro", []),
+    ("MP400", "neobotix/neo_simulation2", "robots/mp_400/mp_400.urdf", []),
+    ("MP500", "neobotix/neo_simulation2", "robots/mp_500/mp_500.urdf", []),
+    ("MPO500", "neobotix/neo_simulation2", "robots/mpo_500/mpo_500.urdf", []),
+    ("MPO700", "neobotix/neo_simulation2", "robots/mpo_700/mpo_700.urdf", []),
+    ("Lino2WD", "linorobot/linorobot2", "linorobot2_description/urdf/robots/2wd.urdf.xacro", []),
+    ("Lino4WD", "linorobot/linorobot2", "linorobot2_description/urdf/robots/4wd.urdf.xacro", []),
+    ("LinoMecanum", "linorobot/linorobot2", "linorobot2_description/urdf/robots/mecanum.urdf.xacro", []),
+    ("LinoTurtle", "linorobot/linorobot2", "linorobot2_description/urdf/robots/turtlebot.urdf.xacro", []),
+    ("Vattenkar", "linorobot/linorobot2", "linorobot2_description/urdf/robots/vattenkar.urdf.xacro", []),
+    ("DiffBot", "ros-mobile-robots/diffbot", "diffbot_description/urdf/diffbot.urdf.xacro", []),
+    ("Kobuki", "kobuki-base/kobuki_ros", "kobuki_description/urdf/kobuki_standalone.urdf.xacro", []),
+    ("Leo", "LeoRover/leo_common-ros2", "leo_description/urdf/leo.urdf.xacro", []),
+    ("PMB2", "pal-robotics/pmb2_robot", "pmb2_description/robots/pmb2.urdf.xacro", []),
+    ("Tiago", "Gepetto/example-robot-data", "robots/tiago_description/robots/tiago.urdf", []),
+    ("TiagoDual", "Gepetto/example-robot-data", "robots/tiago_description/robots/tiago_dual.urdf", []),
+    ("TiagoPro", "Gepetto/example-robot-data", "robots/tiago_pro_description/robots/tiago_pro.urdf", []),
+    ("PR2", "Gepetto/example-robot-data", "robots/pr2_description/urdf/pr2.urdf", []),
+    ("ANYmalB", "Gepetto/example-robot-data", "robots/anymal_b_simple_description/robots/anymal.urdf", []),
+    ("ANYmalC", "Gepetto/example-robot-data", "robots/anymal_c_simple_description/urdf/anymal.urdf", []),
+    ("HyQ", "Gepetto/example-robot-data", "robots/hyq_description/robots/hyq_no_sensors.urdf", []),
+    ("Solo12", "Gepetto/example-robot-data", "robots/solo_description/robots/solo12.urdf", []),
+    ("Bolt", "Gepetto/example-robot-data", "robots/bolt_description/robots/bolt.urdf", []),
+    ("Talos", "Gepetto/example-robot-data", "robots/talos_data/robots/talos_full_v2.urdf", []),
+    ("ICub", "Gepetto/example-robot-data", "robots/icub_description/robots/icub.urdf", []),
+    ("Romeo", "Gepetto/example-robot-data", "robots/romeo_description/urdf/romeo.urdf", []),
+    ("UR3", "Gepetto/example-robot-data", "robots/ur_description/urdf/ur3_robot.urdf", []),
+    ("UR10", "Gepetto/example-robot-data", "robots/ur_description/urdf/ur10_robot.urdf", []),
+    ("PandaArm", "Gepetto/example-robot-data", "robots/panda_description/urdf/panda.urdf", []),
+    ("Kinova", "Gepetto/example-robot-data", "robots/kinova_description/robots/kinova.urdf", []),
+    ("Baxter", "Gepetto/example-robot-data", "robots/baxter_description/urdf/baxter.urdf", []),
+    ("Bravo7", "Gepetto/example-robot-data", "robots/bravo7_description/urdf/bravo7_gripper.urdf", []),
+    ("Allegro", "Gepetto/example-robot-data", "robots/allegro_hand_description/urdf/allegro_right_hand.urdf", []),
+    ("Iris", "Gepetto/example-robot-data", "robots/iris_description/robots/iris.urdf", []),
+    ("Hextilt", "Gepetto/example-robot-data", "robots/hextilt_description/urdf/hextilt_flying_arm_5.urdf", []),
+    ("BlueVolta", "Gepetto/example-robot-data", "robots/bluevolta_description/urdf/bluevolta.urdf", []),
+    ("Stretch", "hello-robot/stretch_ros", "stretch_description/urdf/stretch_description_standard.xacro", []),
+    ("StretchDex", "hello-robot/stretch_ros", "stretch_description/urdf/stretch_description_dex.xacro", []),
+    ("Racecar", "erwincoumans/pybullet_robots", "data/f10_racecar/racecar_differential.urdf", []),
+    ("RacecarF10", "erwincoumans/pybullet_robots", "data/f10_racecar/racecar.urdf", []),
+    ("R2D2", "erwincoumans/pybullet_robots", "data/r2d2.urdf", []),
+    ("TurtleBot2", "erwincoumans/pybullet_robots", "data/turtlebot.urdf", []),
+    ("Cassie", "erwincoumans/pybullet_robots", "data/cassie/urdf/cassie.urdf", []),
+    ("Atlas", "erwincoumans/pybullet_robots", "data/atlas/atlas_v4_with_multisense.urdf", []),
+    ("Sawyer", "erwincoumans/pybullet_robots", "data/sawyer_robot/sawyer_description/urdf/sawyer.urdf", []),
+    ("Dobot", "erwincoumans/pybullet_robots", "data/dobot/dobot.urdf", []),
+    ("B2W", "unitreerobotics/unitree_ros", "robots/b2w_description/urdf/b2w_description.urdf", []),
+    ("Go2W", "unitreerobotics/unitree_ros", "robots/go2w_description/urdf/go2w_description.urdf", []),
+    ("A1", "unitreerobotics/unitree_ros", "robots/a1_description/urdf/a1.urdf", []),
+    ("Go1", "unitreerobotics/unitree_ros", "robots/go1_description/urdf/go1.urdf", []),
+    ("Go2", "unitreerobotics/unitree_ros", "robots/go2_description/urdf/go2_description.urdf", []),
+    ("B2", "unitreerobotics/unitree_ros", "robots/b2_description/urdf/b2_description.urdf", []),
+    ("Aliengo", "unitreerobotics/unitree_ros", "robots/aliengo_description/urdf/aliengo.urdf", []),
+    ("Laikago", "unitreerobotics/unitree_ros", "robots/laikago_description/urdf/laikago.urdf", []),
+    ("G1", "unitreerobotics/unitree_ros", "robots/g1_description/g1_29dof.urdf", []),
+    ("H1", "unitreerobotics/unitree_ros", "robots/h1_description/urdf/h1.urdf", []),
+    ("R1", "unitreerobotics/unitree_ros", "robots/r1_description/R1.urdf", []),
+    ("Z1", "unitreerobotics/unitree_ros", "robots/z1_description/xacro/z1.urdf", []),
+    ("XArm7", "xArm-Developer/xarm_ros2", "xarm_description/urdf/xarm_device.urdf.xacro", ["dof:=7"]),
+    ("Lite6", "xArm-Developer/xarm_ros2", "xarm_description/urdf/xarm_device.urdf.xacro", ["dof:=6", "robot_type:=lite"]),
 ]
 
 
@@ -110,8 +190,13 @@ def drives(client, wheels, steering):
     # Mecanum wheels turn a base by the sum of track and wheelbase.
     axes = 2 if steering == "omni" else 1
     span = 2 * sum(abs(wheel["position"][1 - axis]) for wheel in driven for axis in range(axes)) / len(driven)
+    is_car = steering == "ackermann"
+    steer = 0.2
+    straight, stop, turn = ("DRIVE {Left 2} {Right 2}", "DRIVE {Left 0} {Right 0}", "DRIVE {Left 1} {Right -1}")
+    if is_car:
+        straight, stop, turn = (f"DRIVE {{Speed {v}}} {{FrontSteer {f}}} {{RearSteer 0}}" for v, f in ((2, 0), (0, 0), (2, steer)))
     ends = []
-    for line in ("DRIVE {Left 2} {Right 2}", "DRIVE {Left 0} {Right 0}", "DRIVE {Left 1} {Right -1}"):
+    for line in (straight, stop, turn):
         client.send(line)
         client.wait(1.0)
         before = (client.time, client.position, client.angles[2])
@@ -120,7 +205,14 @@ def drives(client, wheels, steering):
     (start, a, _), (end, b, _) = ends[0]
     ahead = math.dist(a, b) / (end - start) / (2 * radius)
     (start, _, a), (end, _, b) = ends[2]
-    turned = (b - a) % (2 * math.pi) / (end - start) / (2 * radius / span)
+    turned = (b - a) % (2 * math.pi) / (end - start)
+    if is_car:
+        # The arc between two places is longer than its chord.
+        chord, angle = math.dist(ends[2][0][1], ends[2][1][1]), turned * (end - start)
+        ideal = max(x["position"][0] for x in wheels) - min(x["position"][0] for x in wheels)
+        circle = chord / (2 * math.sin(angle / 2)) / (ideal / math.tan(steer)) if angle > 0.01 else math.inf
+        return f"ahead {100 * ahead:.0f} %, circle {100 * circle:.0f} %"
+    turned /= 2 * radius / span
     return f"ahead {100 * ahead:.0f} %, turns {100 * turned:.0f} %"
 
 
@@ -182,7 +274,7 @@ def row(folder, work, name, repository, file, arguments):
     if done.returncode:
         return cells + ["no", "", "", done.stderr.strip().splitlines()[0]]
     imported = json.loads(done.stdout)
-    subprocess.run([PROGRAM, "check", str(work / name)], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([PROGRAM, "check", str(work / name)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     with open(work / name / "robot.toml", "rb") as toml:
         actuators = tomllib.load(toml).get("actuator", [])
     steering, mass = imported["steering"], imported["mass"]
@@ -199,18 +291,19 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--only", help="a class")
+    parser.add_argument("--later", action="store_true", help="the robots that were chosen afterwards")
     parser.add_argument("--page", type=pathlib.Path, help="page whose table is renewed")
     arguments = parser.parse_args()
     rows = [["robot", "source", "loads", "stands", "moves", "guessed or missing"], ["---"] * 6]
-    with tempfile.TemporaryDirectory() as work:
-        for robot in ROBOTS:
-            if arguments.only in (None, robot[0]):
-                rows.append(row(arguments.folder.resolve(), pathlib.Path(work), *robot))
-                print(" | ".join(rows[-1]), flush=True)
+    robots = [robot for robot in (LATER if arguments.later else ROBOTS) if arguments.only in (None, robot[0])]
+    with tempfile.TemporaryDirectory() as work, ThreadPoolExecutor(os.cpu_count()) as threads:
+        for cells in threads.map(lambda robot: row(arguments.folder.resolve(), pathlib.Path(work), *robot), robots):
+            rows.append(cells)
+            print(" | ".join(cells), flush=True)
     table = "\n".join(f"| {' | '.join(cells)} |" for cells in rows)
     if arguments.page:
         text = arguments.page.read_text()
-        begin, end = "<!-- table of bench/imports.py -->\n", "<!-- end -->"
+        begin, end = f"<!-- table of bench/imports.py{' --later' if arguments.later else ''} -->\n", "<!-- end -->"
         before, rest = text.split(begin)
         arguments.page.write_text(f"{before}{begin}\n{table}\n\n{end}{rest.split(end, 1)[1]}")
 

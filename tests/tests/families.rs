@@ -64,6 +64,44 @@ fn cars_drive_the_circle_of_their_steering_angle() {
     }
 }
 
+/// A URDF whose steering joints have dry friction, as exporters write it: it takes 40 % of their torque.
+#[test]
+fn an_imported_car_drives_the_circle_of_its_angle_against_the_friction_of_its_joints() {
+    let inertial =
+        "<inertial><mass value='1'/><inertia ixx='0.01' iyy='0.01' izz='0.01' ixy='0' ixz='0' iyz='0'/></inertial>";
+    let wheel = |name: &str, parent: &str, [x, y, z]: [f64; 3]| {
+        format!(
+            "<link name='{name}'>{inertial}<collision><origin rpy='1.5708 0 0'/><geometry><cylinder radius='0.05' length='0.04'/></geometry>\
+             </collision></link><joint name='{name}_wheel' type='continuous'><parent link='{parent}'/><child link='{name}'/>\
+             <origin xyz='{x} {y} {z}'/><axis xyz='0 1 0'/><limit effort='5' velocity='30'/></joint>"
+        )
+    };
+    let front = |name: &str, y: f64| {
+        format!(
+            "<link name='{name}_knuckle'>{inertial}</link><joint name='{name}_hinge' type='revolute'><parent link='base'/>\
+             <child link='{name}_knuckle'/><origin xyz='0.12 {y} 0'/><axis xyz='0 0 1'/>\
+             <limit lower='-0.5' upper='0.5' effort='5' velocity='0.5'/><dynamics damping='1' friction='2'/></joint>{}",
+            wheel(name, &format!("{name}_knuckle"), [0.0, 0.0, 0.0])
+        )
+    };
+    let rear = wheel("rl", "base", [-0.12, 0.09, 0.0]) + &wheel("rr", "base", [-0.12, -0.09, 0.0]);
+    let body = "<collision><geometry><box size='0.3 0.12 0.04'/></geometry></collision>";
+    let wheels = front("fl", 0.09) + &front("fr", -0.09) + &rear;
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("Cart.urdf");
+    let text = format!("<robot name='c'><link name='base'>{inertial}{body}</link>{wheels}</robot>");
+    std::fs::write(&file, text).expect("a file");
+    for angle in [0.1_f64, 0.3] {
+        let def = scene_loader::load("smooth", &[file.as_path()]).expect("a world");
+        let mut world = World::new(def, Options::default());
+        let robot = init(&mut world, "INIT {ClassName USARBot.Cart} {Location 0,0,0}");
+        apply(&mut world, robot, &format!("DRIVE {{Speed 2}} {{FrontSteer {angle}}} {{RearSteer 0}}"));
+        run(&mut world, 4.0);
+        let (got, expected) = (radius_of(&mut world, Vector3::new(-0.12, 0.0, 0.0)), 0.24 / angle.tan());
+        assert!((got / expected - 1.0).abs() < 0.01, "{angle} rad: {got} m, expected {expected} m");
+    }
+}
+
 #[test]
 fn a_car_drives_straight_and_says_what_it_was_asked_for() {
     let (mut world, robot) = world_with("rough", "FrontAckerman");

@@ -1,6 +1,6 @@
 //! `map.toml`: solids, their materials, start poses, and what sensors perceive beside shapes.
 
-mod height_field;
+pub(crate) mod height_field;
 mod perceived;
 
 use std::collections::BTreeMap;

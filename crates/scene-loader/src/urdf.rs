@@ -29,6 +29,8 @@ use crate::xml::{self, NotXml};
 const MAX_NODES: u32 = 500_000;
 /// Position error at which a servo reaches its torque limit, rad or m. A URDF gives no stiffness.
 const FULL_TORQUE_ERROR: f64 = 0.02;
+/// The same of a joint that steers a car: its friction, which files give, must not widen the circle.
+pub(crate) const STEERING_ERROR: f64 = 0.001;
 /// Speed error at which a speed servo reaches its torque limit, as a fraction of its greatest speed.
 pub(crate) const FULL_TORQUE_LAG: f64 = 0.1;
 /// Travel of a revolute joint from which on it turns many times, rad: three turns. Arms have up to two.
@@ -435,11 +437,13 @@ impl<'a> Tree<'a> {
             let max_torque = lowered("effort", limit.effort, None, most_torque);
             // Wheels have numbers of their own.
             let (kind, inertia) = (joint.kind, inertia_beyond(links, number));
+            let steers = links[number].steered_axle().is_some();
+            let error = if steers { STEERING_ERROR } else { FULL_TORQUE_ERROR };
             if !said.is_empty() && !is_many_turns {
                 self.urdf.say_of(&name, format!("{}, as no robot has that", said.join(", ")));
             }
             if let Some(joint) = &mut self.urdf.links[number].joint {
-                joint.drive = Some(servo(kind, max_speed, max_torque, inertia));
+                joint.drive = Some(servo(kind, max_speed, max_torque, inertia, error));
             }
         }
     }
@@ -455,13 +459,14 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// Returns a servo of speed for a joint without an end, and one of position for any other.
-pub(crate) fn servo(kind: JointKind, max_speed: f64, max_torque: f64, inertia: f64) -> Motor {
+/// Returns a servo of speed for a joint without an end, and one of position for any other, which reaches its torque limit at an error, rad or
+/// m.
+pub(crate) fn servo(kind: JointKind, max_speed: f64, max_torque: f64, inertia: f64, error: f64) -> Motor {
     let motor = Motor { max_speed, gain: 0.0, max_torque, stiffness: None, integral_time: None, armature: 0.0 };
     if kind == JointKind::Continuous {
         return Motor { gain: max_torque / (FULL_TORQUE_LAG * max_speed), ..motor };
     }
-    let stiffness = (max_torque / FULL_TORQUE_ERROR).min(limits::STIFFNESS.most);
+    let stiffness = (max_torque / error).min(limits::STIFFNESS.most);
     // Critical damping, without overshoot.
     let gain = (2.0 * (stiffness * inertia).sqrt()).clamp(limits::GAIN.least, limits::GAIN.most);
     Motor { gain, stiffness: Some(stiffness), ..motor }

@@ -425,6 +425,44 @@ fn collada(primitive: &str) -> String {
 }
 
 #[test]
+fn a_height_map_is_ground_with_the_first_row_of_its_picture_at_the_left() {
+    // A peak in the first row and the last column, which is at the left (+y) and ahead (+x).
+    let mut picture = Vec::new();
+    let mut encoder = png::Encoder::new(&mut picture, 3, 3);
+    encoder.set_color(png::ColorType::Grayscale);
+    let mut writer = encoder.write_header().expect("a picture");
+    writer.write_image_data(&[0, 0, 255, 0, 51, 0, 0, 0, 0]).expect("a picture");
+    drop(writer);
+    let ground = |uri: &str| {
+        format!(
+            "<model name='hill'><static>1</static><link name='l'><collision name='c'><geometry><heightmap><uri>{uri}</uri>\
+             <size>8 4 2</size><pos>10 0 1</pos></heightmap></geometry></collision></link></model>"
+        )
+    };
+    let models = ground("file://media/hill.png") + &ground("model://media/hill.tif");
+    let folder =
+        folder(&[("hill.world", world(&models).as_bytes()), ("media/hill.png", &picture), ("media/hill.tif", b"II")]);
+    let made = map(&folder, "hill.world", &[]).expect("a map");
+    assert!(made.notes.iter().any(|note| note.starts_with("height map `hill.tif` is left out")), "{:?}", made.notes);
+    let file = folder.path().join("map.toml");
+    for (name, content) in &made.meshes {
+        std::fs::write(folder.path().join(name), content).expect("a mesh");
+    }
+    let start = "\n[[start]]\nname = \"s\"\nposition = [0.0, 0.0, -3.0]\n";
+    std::fs::write(&file, made.text + start).expect("a map");
+    let def = scene_loader::map(&file.display().to_string(), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let hill = def.solids.iter().find(|solid| solid.name == "hill").expect("a hill");
+    let Shape::Mesh { vertices, triangles } = &hill.shape else { panic!("{:?}", hill.shape) };
+    let highest = vertices.iter().min_by(|a, b| a[2].total_cmp(&b[2])).expect("corners");
+    let pose = hill.pose();
+    let top = pose * nalgebra::Point3::from(*highest);
+    // z is down, and y to the right.
+    let far = [top.x - 14.0, top.y + 2.0, top.z + 3.0].map(f64::abs);
+    assert!(triangles.len() == 8 && far.iter().all(|far| *far < 1e-5), "{top}: {vertices:?}");
+    assert!(vertices.iter().any(|vertex| (vertex[2] + 0.4).abs() < 1e-5), "{vertices:?}");
+}
+
+#[test]
 fn meshes_of_every_exporter_are_the_same_box() {
     let input = "<input semantic='VERTEX' source='#v' offset='0'/>";
     let polygons = ["0 1 3 2", "4 6 7 5", "0 4 5 1", "2 3 7 6", "0 2 6 4", "1 5 7 3"];

@@ -125,9 +125,11 @@ fn a_world_of_sdf_keeps_shapes_poses_and_masses() {
     ] {
         assert!(map.contains(expected), "{expected}\n{map}");
     }
-    for expected in
-        ["note: <light> is left out", "note: a shape <heightmap> is left out", "can: cylinder, concrete, can be pushed"]
-    {
+    for expected in [
+        "note: <light> is left out",
+        "note: a shape <heightmap> without a picture is left out",
+        "can: cylinder, concrete, can be pushed",
+    ] {
         assert!(printed.lines().any(|line| line == expected), "{expected}\n{printed}");
     }
     let (_, json) = good(&files, &["a.world", "--json"]);

@@ -17,6 +17,8 @@ const MAX_DEPTH: usize = 3;
 const MAX_ENTRIES: usize = 20_000;
 /// Maximum number of elements, attributes and texts of a manifest.
 const MAX_NODES: u32 = 10_000;
+/// Folders that have only URDFs.
+const URDF_FOLDERS: [&str; 3] = ["urdf", "robots", "xacro"];
 /// File that makes a folder a package.
 const MANIFEST: &str = "package.xml";
 
@@ -25,7 +27,7 @@ pub struct Packages {
     folders: BTreeMap<String, PathBuf>,
     /// Folder of the robot's file.
     beside: PathBuf,
-    /// Folder that relative paths cannot leave: the file's package, or else the folder of the file.
+    /// Folder that relative paths cannot leave: the file's package, or else the folder of the file, or of its `urdf`.
     own: PathBuf,
     /// Files of a closed folder by their names in lower case, for references whose folders are not there; none if two have the name.
     loose: Option<BTreeMap<String, Option<PathBuf>>>,
@@ -57,7 +59,10 @@ impl Packages {
         for folder in above.chain(searched.iter().map(PathBuf::as_path)) {
             search.add(folder, MAX_DEPTH);
         }
-        let own = own.unwrap_or(&beside).to_owned();
+        // Without a package, a URDF in a folder of its own has its meshes in the one beside it.
+        let is_of_urdfs = beside.file_name().is_some_and(|name| URDF_FOLDERS.iter().any(|known| name == *known));
+        let above = beside.parent().filter(|_| is_of_urdfs).unwrap_or(&beside);
+        let own = own.unwrap_or(above).to_owned();
         Ok(Self { folders: search.folders, beside, own, loose: None })
     }
 

@@ -13,9 +13,10 @@ use super::frames::{self, FrameError, Frames};
 use super::models::{Models, WellKnown, well_known};
 use super::{Budget, FoundObject, Geometry, Touch, solids};
 use crate::LoadError;
+use crate::map::height_field;
 use crate::mesh::{self, Piece};
 use crate::problem::Problems;
-use crate::source::{MAX_TEXT, Source};
+use crate::source::{MAX_MESH, MAX_TEXT, Source};
 use crate::urdf::z_down;
 use crate::xml;
 
@@ -412,6 +413,11 @@ impl Reader<'_> {
                 let turn = turn.unwrap_or_else(|| UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0));
                 Some((at * turn, Geometry::Plain(Shape::HalfSpace)))
             }
+            "heightmap" => {
+                let [x, y, z] = numbers(text_of(geometry, "pos")).unwrap_or_default();
+                let middle = Isometry3::translation(x, y, z);
+                self.height_map(place, geometry).map(|piece| (at * middle, Geometry::Mesh(piece)))
+            }
             "mesh" => self.mesh(place, geometry).map(|piece| (at, Geometry::Mesh(piece))),
             "empty" => None,
             other => {
@@ -446,6 +452,24 @@ impl Reader<'_> {
         }
         let restitution = child(surface, "bounce").and_then(|it| number_of(it, "restitution_coefficient"));
         Touch { friction: mu.or(bullet), restitution: restitution.filter(|it| *it > 0.0) }
+    }
+
+    /// Reads ground from a picture of its heights.
+    fn height_map(&mut self, place: Place, geometry: Node) -> Option<Piece> {
+        let (uri, size) = (text_of(geometry, "uri"), numbers(text_of(geometry, "size")).unwrap_or([1.0; 3]));
+        if uri.is_empty() {
+            self.note("a shape <heightmap> without a picture is left out");
+            return None;
+        }
+        let Some((source, file)) = self.models.mesh(place.source, uri) else {
+            self.missing(place, geometry, uri);
+            return None;
+        };
+        let bytes = source.bytes(&file, MAX_MESH).map_err(|error| error.to_string());
+        let rows = bytes.and_then(|bytes| height_field::of_picture(&bytes, size[2]));
+        let piece = rows.map(|rows| solids::ground(&rows, [size[0], size[1]]));
+        let read = piece.and_then(|piece| self.triangles.add(std::slice::from_ref(&piece)).map(|()| piece));
+        read.map_err(|reason| self.note(format!("height map `{file}` is left out: {reason}"))).ok()
     }
 
     /// Reads a mesh, or a part of one, in the axes of its file.

@@ -1,5 +1,6 @@
 //! Closed meshes of shapes that a map has no table for. All are about the z axis, z up, and seen from outside.
 
+use crate::map::height_field::Rows;
 use crate::mesh::Piece;
 
 /// Corners around, and rings between the poles.
@@ -31,6 +32,27 @@ pub(super) fn ellipsoid(radii: [f64; 3]) -> Piece {
         *vertex = std::array::from_fn(|axis| (f64::from(vertex[axis]) * radii[axis]) as f32);
     }
     ball
+}
+
+/// Returns ground of a size along x and y, around its middle. The first row of heights is at its left end, +y, and goes towards +x.
+pub(super) fn ground(Rows { columns, heights }: &Rows, size: [f64; 2]) -> Piece {
+    let rows = heights.len() / columns;
+    let part = |number: usize, count: usize| number as f64 / (count.max(2) - 1) as f64 - 0.5;
+    let vertex = |(number, height): (usize, &f64)| {
+        let (row, column) = (number / columns, number % columns);
+        [size[0] * part(column, *columns), -size[1] * part(row, rows), *height].map(|it| it as f32)
+    };
+    let cell = |(row, column): (usize, usize)| {
+        let corner = |down: usize, right: usize| ((row + down) * columns + column + right) as u32;
+        let [near_left, near_right, far_left, far_right] = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+        [[near_left, near_right, far_right], [near_left, far_right, far_left]]
+    };
+    let cells = (1..rows).flat_map(|row| (1..*columns).map(move |column| (row - 1, column - 1)));
+    Piece {
+        vertices: heights.iter().enumerate().map(vertex).collect(),
+        triangles: cells.flat_map(cell).collect(),
+        ..Piece::default()
+    }
 }
 
 /// Turns an outline of radii and heights, from the lowest point on the axis to the highest, about the axis.

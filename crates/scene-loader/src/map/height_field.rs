@@ -17,9 +17,9 @@ const HEIGHT: Range = Range { least: 0.0, most: check::FIELD_HEIGHT.most, unit: 
 const STEPS: f64 = 1e4;
 
 /// Rows of heights, m, from the far end of the field (+x) to the near one. Each goes from left to right (+y).
-struct Rows {
-    columns: usize,
-    heights: Vec<f64>,
+pub(crate) struct Rows {
+    pub(crate) columns: usize,
+    pub(crate) heights: Vec<f64>,
 }
 
 pub(super) fn read<'a>(source: &Source, document: &mut Document<'a>, table: &mut Table<'a>) -> Option<Shape> {
@@ -66,7 +66,8 @@ fn of_file(source: &Source, file: &str, height: Option<f64>) -> Result<Rows, Str
     }
 }
 
-fn of_picture(bytes: &[u8], height: f64) -> Result<Rows, String> {
+/// Reads a picture. `height` is that of white over black, m.
+pub(crate) fn of_picture(bytes: &[u8], height: f64) -> Result<Rows, String> {
     let decoder = Decoder::new_with_limits(bytes, Limits { bytes: MAX_MESH as usize });
     let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
     let (rows, columns) = (reader.info().height as usize, reader.info().width as usize);

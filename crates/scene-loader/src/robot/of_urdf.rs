@@ -6,7 +6,8 @@ pub(crate) mod extent;
 mod legs;
 
 use scene::{
-    Actuator, JointKind, Link, Material, Motor, RobotDef, Rollers, SensorDef, Side, Steering, Wheel, check, sensor,
+    Actuator, JointKind, Link, Material, Motor, MountedWheel, RobotDef, Rollers, SensorDef, Side, Steering, Wheel,
+    check, sensor,
 };
 
 use self::extent::{Extent, bounds};
@@ -34,6 +35,11 @@ const ROUND: f64 = 0.6;
 const ABOVE_GROUND: f64 = 0.25;
 /// Distance from the middle within which a wheel is a caster, m.
 const MIDDLE: f64 = 0.01;
+/// Height by which a caster may be lower than the driven wheels and is raised to them, m: rigid wheels would hang in the air.
+const CASTER_LOWER: f64 = 0.005;
+/// Height by which it is then above them, m, and the least that is worth it.
+const CASTER_ABOVE: f64 = 5e-4;
+const SEEN: f64 = 1e-5;
 /// Mass of a caster's ball over the robot's. Its own mass stays with its link.
 const BALL_MASS: f64 = 1e-3;
 /// Rollers of a guessed Mecanum wheel: number, circle of their axes over the wheel's radius, and mass over the wheel's. A youBot has
@@ -110,7 +116,7 @@ pub(crate) fn read(
         let text = urdf::turned(text, yaw)?;
         let mut wrong = Problems::default();
         let (guessed, _) = guess(source, file, class, &text, materials, known, &mut wrong)?;
-        (wrong.count() == 0 && guessed.robot.steering.is_on_wheels()).then_some((guessed, yaw))
+        (wrong.count() == 0 && stands_on_wheels(&guessed.robot)).then_some((guessed, yaw))
     });
     if let Some((mut guessed, yaw)) = turned {
         let degrees = -yaw.to_degrees();
@@ -124,6 +130,14 @@ pub(crate) fn read(
         return Some(guessed);
     }
     Some(guessed)
+}
+
+/// True if the wheels that drive a robot are the lowest of it: the motors of an arm are none.
+fn stands_on_wheels(robot: &RobotDef) -> bool {
+    let lowest = robot.links.iter().flat_map(|link| &link.solids);
+    let lowest = lowest.map(|solid| bounds(&solid.shape, &solid.pose())[1].z).fold(f64::MIN, f64::max);
+    let reaches = |wheel: MountedWheel| wheel.position[2] + (1.0 + ABOVE_GROUND) * wheel.radius > lowest;
+    robot.steering.is_on_wheels() && robot.driven().all(reaches)
 }
 
 /// Guesses a robot as its file has it. Also returns the angle by which it has to be turned for its joints to be wheels, if any.
@@ -403,6 +417,7 @@ impl Guess<'_> {
             }
             steered.push(link.name.clone());
             self.add_steering_motor(parent);
+            self.stiffen(parent);
         }
         steered
     }
@@ -418,11 +433,21 @@ impl Guess<'_> {
         let inertia = urdf::inertia_beyond(&self.urdf.links, number);
         let link = &mut self.urdf.links[number];
         if let Some(joint) = &mut link.joint {
-            joint.drive = Some(urdf::servo(joint.kind, STEERING_SPEED, torque, inertia));
+            joint.drive = Some(urdf::servo(joint.kind, STEERING_SPEED, torque, inertia, urdf::STEERING_ERROR));
         }
         let name = link.name.clone();
         self.changes.push(Change::Limit(name.clone(), [torque, STEERING_SPEED]));
         self.urdf.say_of(&name, format!("steers with {torque:.1} N m and {STEERING_SPEED} rad/s, as the effort is 0"));
+    }
+
+    /// Lets the servo of a joint that steers hold its angle against friction, as that of a joint with a name of USARSim does.
+    fn stiffen(&mut self, number: usize) {
+        let inertia = urdf::inertia_beyond(&self.urdf.links, number);
+        if let Some(joint) = &mut self.urdf.links[number].joint
+            && let Some(motor) = &mut joint.drive
+        {
+            *motor = urdf::servo(joint.kind, motor.max_speed, motor.max_torque, inertia, urdf::STEERING_ERROR);
+        }
     }
 
     /// Adds rollers to four wheels, and orders them as an omni base. Returns false if they do not form one.
@@ -490,7 +515,13 @@ impl Guess<'_> {
         }
     }
 
-    fn add_ball(&mut self, of: &str, position: [f64; 3], radius: f64, on: usize) {
+    fn add_ball(&mut self, of: &str, mut position: [f64; 3], radius: f64, on: usize) {
+        let ground = self.wheels.iter().map(|(_, wheel)| bottom(wheel)).fold(f64::MIN, f64::max);
+        let lower = position[2] + radius - ground;
+        let is_raised = (SEEN..CASTER_LOWER).contains(&lower);
+        if is_raised {
+            position[2] -= lower + CASTER_ABOVE;
+        }
         let links = &self.urdf.links;
         let held = |number: &usize| links[*number].joint.as_ref().filter(|it| it.kind == JointKind::Fixed);
         let carrier = std::iter::successors(Some(on), |number| held(number).map(|joint| joint.parent)).last();
@@ -506,7 +537,8 @@ impl Guess<'_> {
         if let Some(joint) = &mut ball.joint {
             joint.parent = carrier.unwrap_or(0);
         }
-        self.say(format!("{of} is a caster, a ball of {radius:.4} m that turns freely"));
+        let raised = if is_raised { ", raised above the ground of the driven wheels" } else { "" };
+        self.say(format!("{of} is a caster, a ball of {radius:.4} m that turns freely{raised}"));
         self.balls.push(ball);
     }
 

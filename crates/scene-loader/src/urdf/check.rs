@@ -183,7 +183,9 @@ impl Check<'_> {
             let (key, value) = (attribute.name(), attribute.value());
             let is_axis = node.has_tag_name("axis") && key == "xyz" && node.parent().is_some_and(moves);
             let numbers: Vec<f64> = value.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-            let all = numbers.len() == count && value.split_whitespace().count() == count;
+            // PyBullet's files have scales of four numbers, of which it takes three.
+            let is_longer = key == "scale" && numbers.len() > count;
+            let all = value.split_whitespace().count() == numbers.len() && (numbers.len() == count || is_longer);
             if !all || !numbers.iter().all(|number| number.is_finite()) {
                 let expected = names::count(count, "finite number");
                 self.problem(node, format_args!("{key}=\"{value}\": expected {expected}"));

@@ -199,7 +199,8 @@ fn origin(node: Node) -> Option<String> {
 fn numbers(text: &str, count: usize) -> Option<String> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let is_good = |word: &&str| word.parse::<f64>().is_ok_and(f64::is_finite);
-    (words.len() == count && words.iter().all(is_good)).then(|| words.join(" "))
+    // A scale may have more numbers than count.
+    (words.len() >= count && words.iter().all(is_good)).then(|| words[..count].join(" "))
 }
 
 fn escaped(text: &str) -> String {

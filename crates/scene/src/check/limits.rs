@@ -143,8 +143,8 @@ pub const MAX_TAGS: usize = 1000;
 pub(super) const MAX_SMOKE: usize = 64;
 /// Maximum number of parts of a robot, and of solids of its body.
 pub const MAX_PARTS: usize = 1000;
-/// Maximum number of links of a robot without its rollers. A Nao has 25; the cost of a step grows with the square of the number.
-pub const MAX_LINKS: usize = 100;
+/// Maximum number of links of a robot without its rollers. A Nao has 25, a Tiago with two hands 106; the cost of a step grows with the square of the number.
+pub const MAX_LINKS: usize = 150;
 /// Maximum number of wheels of a robot.
 pub(super) const MAX_WHEELS: usize = 32;
 /// Maximum number of rollers of a robot; the cost of a step grows with the square of the number.

@@ -60,5 +60,24 @@ def parse_old(*arguments, **named):
 
 xacro.parse = parse_old
 
+# They call macros without the prefix, too.
+URDF = {"robot", "link", "joint", "visual", "collision", "inertial", "geometry", "material", "origin", "axis", "limit"} | OTHERS
+call = getattr(xacro, "handle_macro_call", None)
+
+
+def call_old(node, macros, symbols):
+    name = node.tagName
+    if ":" not in name and name not in URDF:
+        try:
+            xacro.resolve_macro(name, macros, symbols)
+            node.tagName = "xacro:" + name
+        except KeyError:
+            pass
+    return call(node, macros, symbols)
+
+
+if call:
+    xacro.handle_macro_call = call_old
+
 sys.argv = ["xacro"] + sys.argv[3:]
 xacro.main()
