@@ -29,7 +29,7 @@ use crate::xml::{self, NotXml};
 const MAX_NODES: u32 = 500_000;
 /// Position error at which a servo reaches its torque limit, rad or m. A URDF gives no stiffness.
 const FULL_TORQUE_ERROR: f64 = 0.02;
-/// The same of a joint that steers a car: its friction, which files give, must not widen the circle.
+/// Error at which the servo of a joint that steers a car reaches its limit, rad. The friction that files give must not widen its circle.
 pub(crate) const STEERING_ERROR: f64 = 0.001;
 /// Speed error at which a speed servo reaches its torque limit, as a fraction of its greatest speed.
 pub(crate) const FULL_TORQUE_LAG: f64 = 0.1;
