@@ -180,3 +180,33 @@ fn asking_for_room_changes_nothing() {
     };
     assert_eq!(outcome(false), outcome(true));
 }
+
+/// A closed mesh is a solid: nobody is put into it, also where it is thicker than a robot is high. Two slabs, one above the other.
+#[test]
+fn a_robot_that_is_wanted_in_a_closed_mesh_stands_on_it() {
+    let corners = |z: f64| [[-9.0, -9.0, z], [9.0, -9.0, z], [9.0, 9.0, z], [-9.0, 9.0, z]];
+    let slab = |name: &str, [top, bottom]: [f64; 2]| {
+        let quads: [[u32; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+        let shape = scene::Shape::Mesh {
+            vertices: [corners(top), corners(bottom)].concat(),
+            triangles: quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        };
+        let material = scene::Material::default();
+        scene::Solid { name: name.to_owned(), shape, position: [0.0; 3], rotation: [0.0; 3], material }
+    };
+    let mut def = world("smooth", 0).def().clone();
+    def.map.solids = vec![slab("ground", [0.0, 1.0]), slab("upper", [-4.0, -3.0])];
+    let mut world = World::new(def, sim_core::Options::default());
+    // Wheels reach 0.146 m below the frame. In the air it stays where it is.
+    let (ground, upper) = (-0.147, -4.147);
+    for (wanted, expected) in
+        [(1.5, ground), (1.0, ground), (0.5, ground), (0.0, ground), (-1.0, -1.0), (-3.0, upper), (-3.5, upper)]
+    {
+        let pose = world.free_pose("P3AT", [3.0, 3.0, wanted], [0.0; 3]).expect("a free place");
+        assert!((pose.translation.z - expected).abs() < 1e-3, "{wanted}: {}", pose.translation.z);
+    }
+    let (robot, said) = try_init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 3,3,0.6}");
+    run(&mut world, 1.0);
+    let z = position(&world, robot.expect("a robot")).z;
+    assert!((z + 0.145).abs() < 0.01 && said.is_empty(), "{z} {said:?}");
+}

@@ -290,28 +290,28 @@ static RINGS_AROUND: LazyLock<Vec<(i32, i32)>> = LazyLock::new(|| {
     around
 });
 
-/// Returns the layers of one collider on a ray that points down: one for a convex solid, one for each upward face of a mesh, or for each face
-/// of one that holds on both sides.
+/// Face of a triangle that a ray meets from behind, as parry numbers it.
+const BEHIND: FeatureId = FeatureId::Face(1);
+
+/// Returns the layers of one collider on a ray that points down: one for a convex solid; one for each part of a mesh that is a solid, from a
+/// face that looks up to the next one that looks down; and one without volume for each face of any other mesh.
 fn layers_of(collider: &Collider, mut ray: Ray) -> Vec<Layer> {
     let cast = |ray: &Ray| collider.shape().cast_ray_and_get_normal(collider.position(), ray, 2.0 * SKY, false);
-    let mut layers = Vec::new();
-    let mesh = collider.shape().as_trimesh().map(|mesh| match shape::is_two_sided(mesh) {
-        true => u32::MAX,
-        false => mesh.num_triangles() as u32,
-    });
-    while layers.len() < MAX_LAYERS
-        && let Some(hit) = cast(&ray)
-    {
-        let top = ray.point_at(hit.time_of_impact).z;
+    let mut layers: Vec<Layer> = Vec::new();
+    let mesh = collider.shape().as_trimesh();
+    let is_solid = mesh.is_some_and(|mesh| !shape::is_two_sided(mesh));
+    for _ in 0..2 * MAX_LAYERS {
+        let Some(hit) = cast(&ray) else { break };
+        let z = ray.point_at(hit.time_of_impact).z;
         ray.origin = ray.point_at(hit.time_of_impact + 1e-3);
-        match (mesh, hit.feature) {
-            // A face hit from behind has a number beyond the number of faces.
-            (Some(faces), FeatureId::Face(face)) if face >= faces => {}
-            (Some(_), _) => layers.push(Layer { top, bottom: top }),
-            (None, _) => {
-                let bottom = cast(&ray).map_or(f64::INFINITY, |exit| ray.point_at(exit.time_of_impact).z);
-                return vec![Layer { top, bottom }];
-            }
+        if mesh.is_none() {
+            let bottom = cast(&ray).map_or(f64::INFINITY, |exit| ray.point_at(exit.time_of_impact).z);
+            return vec![Layer { top: z, bottom }];
+        }
+        if is_solid && hit.feature == BEHIND {
+            layers.last_mut().into_iter().for_each(|layer| layer.bottom = z);
+        } else {
+            layers.push(Layer { top: z, bottom: z });
         }
     }
     layers
