@@ -425,6 +425,40 @@ fn collada(primitive: &str) -> String {
 }
 
 #[test]
+fn what_a_body_does_otherwise_in_gazebo_is_a_note() {
+    let body = |name: &str, link: &str, surface: &str| {
+        format!(
+            "<model name='{name}'><link name='l'>{link}<collision name='c'><geometry><box><size>1 1 1</size></box></geometry>\
+             <surface>{surface}</surface></collision></link></model>"
+        )
+    };
+    for (link, surface, note, stays, moves) in [
+        ("<gravity>false</gravity>", "", "a body that does not fall stands fast", true, false),
+        ("<kinematic>1</kinematic>", "", "a body that does not fall stands fast", true, false),
+        ("<gravity>1</gravity>", "", "", true, true),
+        ("<inertial><pose>0 0 0.3 0 0 0</pose><mass>2</mass></inertial>", "", "a centre of mass aside", true, true),
+        (
+            "",
+            "<contact><collide_bitmask>0x00</collide_bitmask></contact>",
+            "a shape that touches nothing",
+            false,
+            false,
+        ),
+        ("", "<contact><collide_bitmask>0x02</collide_bitmask></contact>", "", true, true),
+        ("", "<friction><ode><slip1>0.1</slip1></ode></friction>", "slip and softness", true, true),
+        ("", "<friction><ode><slip1>0</slip1></ode></friction>", "", true, true),
+    ] {
+        let folder = folder(&[("w.sdf", world(&body("thing", link, surface)).as_bytes())]);
+        let made = map(&folder, "w.sdf", &[]).expect("a map");
+        let thing = made.solids.iter().find(|solid| solid.name == "thing");
+        assert_eq!(thing.map(|thing| thing.is_movable), stays.then_some(moves), "{link}{surface}");
+        let is_said =
+            if note.is_empty() { made.notes.is_empty() } else { made.notes.iter().any(|it| it.contains(note)) };
+        assert!(is_said, "{link}{surface}: {:?}", made.notes);
+    }
+}
+
+#[test]
 fn a_height_map_is_ground_with_the_first_row_of_its_picture_at_the_left() {
     // A peak in the first row and the last column, which is at the left (+y) and ahead (+x).
     let mut picture = Vec::new();

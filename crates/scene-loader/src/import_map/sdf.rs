@@ -56,6 +56,11 @@ const SILENT: [&str; 24] = [
     "state",
 ];
 
+/// Distance of a centre of mass from the middle of its shape that is worth a note, m.
+const ASIDE: f64 = 1e-3;
+/// Elements of a surface that have no part here, and that are 0 by default.
+const UNFOLLOWED: [&str; 4] = ["slip", "slip1", "slip2", "soft_cfm"];
+
 /// Contents of a file.
 #[derive(Default)]
 pub(super) struct Found {
@@ -322,8 +327,13 @@ impl Reader<'_> {
         let collisions = links.iter().flat_map(|link| children(*link, "collision")).count();
         let is_static = included.is_static.unwrap_or_else(|| is_true(text_of(node, "static")));
         let moves = |joint: &Node| joint.attribute("type").is_some_and(|kind| kind != "fixed");
-        let is_alone = collisions == 1 && links.len() == 1;
-        if !is_static && children(node, "joint").any(|joint| moves(&joint)) {
+        let says =
+            |link: &Node, key: &'static str| child(*link, key).map(|it| is_true(it.text().unwrap_or_default().trim()));
+        let floats = |link: &Node| says(link, "gravity") == Some(false) || says(link, "kinematic") == Some(true);
+        let is_alone = collisions == 1 && links.len() == 1 && !links.iter().any(floats);
+        if !is_static && links.iter().any(floats) {
+            self.note("a body that does not fall stands fast, although it could be pushed");
+        } else if !is_static && children(node, "joint").any(|joint| moves(&joint)) {
             self.robots.push(name.clone());
         } else if !is_static && !is_alone && collisions > 0 {
             self.note("a model of several shapes stands fast, although it could move");
@@ -333,6 +343,10 @@ impl Reader<'_> {
             let colour = colour_of(link);
             let inertial = child(link, "inertial").map(|it| text_of(it, "mass"));
             let mass = inertial.and_then(|mass| mass.parse().ok()).unwrap_or(1.0);
+            let middle = child(link, "inertial").and_then(|it| numbers::<6>(text_of(it, "pose")));
+            if !is_static && is_alone && middle.is_some_and(|[x, y, z, ..]| x.hypot(y).hypot(z) > ASIDE) {
+                self.note("a centre of mass aside: that of the shape counts");
+            }
             let own: Vec<Node> = children(link, "collision").collect();
             if own.is_empty() && children(link, "visual").next().is_some() {
                 self.note("a link that is only seen is left out");
@@ -362,6 +376,10 @@ impl Reader<'_> {
         let Some(geometry) = geometry else { return self.note("a collision without a shape is left out") };
         if self.found.objects.len() >= MAX_SOLIDS {
             return self.problem(place, geometry, format_args!("more than {MAX_SOLIDS} shapes"));
+        }
+        let mask = node.descendants().find(|it| it.has_tag_name("collide_bitmask"));
+        if mask.is_some_and(|mask| bits(mask.text().unwrap_or_default()) == Some(0)) {
+            return self.note("a shape that touches nothing, by its <collide_bitmask>, is left out");
         }
         let touch = self.touch(node);
         let mut length = |key: &str| match number_of(geometry, key) {
@@ -437,6 +455,14 @@ impl Reader<'_> {
     /// Reads how a collision's surface touches others.
     fn touch(&mut self, collision: Node) -> Touch {
         let Some(surface) = child(collision, "surface") else { return Touch::default() };
+        let is_there = |node: &Node| {
+            let numbers = node.text().unwrap_or_default().split_whitespace();
+            UNFOLLOWED.contains(&node.tag_name().name())
+                && numbers.filter_map(|it| it.parse().ok()).any(|it: f64| it != 0.0)
+        };
+        if surface.descendants().any(|node| is_there(&node)) {
+            self.note("slip and softness of a surface are not followed");
+        }
         let friction = child(surface, "friction");
         let ode = friction.and_then(|it| child(it, "ode"));
         let [mu, mu2] = ["mu", "mu2"].map(|key| ode.and_then(|ode| number_of(ode, key)));
@@ -539,6 +565,15 @@ fn colour_of(link: Node) -> Option<[f64; 3]> {
         visuals.filter(|it| it.has_tag_name("diffuse") || it.has_tag_name("ambient")).filter_map(|it| it.text());
     let mut colours = texts.filter_map(|text| numbers::<4>(text).map(|[r, g, b, _]| [r, g, b]).or(numbers::<3>(text)));
     colours.next()
+}
+
+/// Reads a mask of bits, as `0x01` or `1`.
+fn bits(text: &str) -> Option<u32> {
+    let text = text.trim();
+    match text.strip_prefix("0x") {
+        Some(digits) => u32::from_str_radix(digits, 16).ok(),
+        None => text.parse().ok(),
+    }
 }
 
 fn is_true(text: &str) -> bool {
