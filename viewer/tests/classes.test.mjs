@@ -31,7 +31,6 @@ test('a class is asked for once, and is in the scene when everyone hears of it',
   assert.equal(await questions.want('Cart'), null);
   const scene = sceneOf('Cart', 'a/b');
   questions.restart(scene);
-  assert.equal(await questions.want('Nobody'), null);
   const wants = ['Cart', 'Cart', 'a/b'].map((name) => questions.want(name));
   assert.deepEqual(
     asked.map(({ name }) => name),
@@ -42,6 +41,20 @@ test('a class is asked for once, and is in the scene when everyone hears of it',
   assert.deepEqual([scene.classes, came.length], [{ Cart: { description: 'a cart' } }, 1]);
   assert.deepEqual(await questions.want('Cart'), { description: 'a cart' });
   assert.equal(asked.length, 2);
+});
+
+test('a class that came while the server runs is asked for, and its name is known then', async (context) => {
+  const { asked, questions } = server(context);
+  const scene = sceneOf('Cart');
+  questions.restart(scene);
+  const dropped = questions.want('Dropped');
+  asked[0].answer('a robot of a file');
+  assert.deepEqual(await dropped, { description: 'a robot of a file' });
+  assert.deepEqual(scene.names, ['Cart', 'Dropped']);
+  const nobody = questions.want('Nobody');
+  asked[1].reject(new Error('there is none'));
+  assert.equal(await nobody, null);
+  assert.deepEqual(scene.names, ['Cart', 'Dropped']);
 });
 
 test('a class that did not come is asked for again', async (context) => {

@@ -124,7 +124,7 @@ fn messages_that_no_run_has_end_a_log() {
     let robot = |wheels| Record::State(recorder::RobotState { joint_positions: vec![0.0; wheels], ..state(0, "P3AT") });
     for (record, expected) in [
         (Record::In(line("x".repeat(200_000))), "a line of 200000 bytes: expected at most 196608"),
-        (robot(101), "a robot with 101 joints: expected at most 100"),
+        (robot(151), "a robot with 151 joints: expected at most 150"),
     ] {
         let good = (0.0, Record::Warning("before".to_owned()));
         let log = read(&log_of(&[good, (0.5, record), (0.6, Record::In(line("after")))])).expect("a log");

@@ -9,7 +9,7 @@ use crate::equipment::Changes;
 use crate::overrides::{self, Override};
 use crate::problem::Problems;
 use crate::robot::Others;
-use crate::robot::of_urdf::Known;
+use crate::robot::of_urdf::{Known, OfUrdf};
 use crate::shipped::{
     ASSETS, MAPS, actuator_names, built_in_materials, built_in_robot, folder_name, further_names, is_like_another,
     map_names, robot_names, unknown,
@@ -161,7 +161,8 @@ pub(crate) fn robot_of_urdf(path: &Path, class: &str) -> Result<RobotDef, LoadEr
     let file = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let (text, materials) = (source.xml(&file, MAX_TEXT)?, built_in_materials(&[])?);
     let known = Known { mecanum: hints_at_mecanum(&text), ..Known::default() };
-    let guessed = robot_file::of_urdf::read(&source, &file, class, &text, &materials, known, &mut problems);
+    let of = OfUrdf { source: &source, file: &file, text: &text, class, materials: &materials, known };
+    let guessed = robot_file::of_urdf::read(&of, &mut problems);
     let robot = guessed.map(|guessed| guessed.robot);
     problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
 }

@@ -114,7 +114,8 @@ fn guess(import: &Import, source: &Source, robot: &urdf_rs::Robot, mecanum: bool
     let shown = import.file.display().to_string();
     let (text, materials) = (written(&shown, robot)?, shipped::built_in_materials(&[])?);
     let (known, mut problems) = (Known { wheels: import.wheels, drive: import.drive, mecanum }, Problems::default());
-    let guessed = of_urdf::read(source, URDF, import.class, &text, &materials, known, &mut problems);
+    let of = of_urdf::OfUrdf { source, file: URDF, text: &text, class: import.class, materials: &materials, known };
+    let guessed = of_urdf::read(&of, &mut problems);
     // The user does not have the file in which these problems have lines.
     let guessed = problems.into_result(guessed).map_err(|error| match error {
         LoadError::Bad(problems) => {

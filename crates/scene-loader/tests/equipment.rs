@@ -214,7 +214,7 @@ fn actuators_that_carry_themselves_are_refused() {
     let many = |class: &str| line(class).repeat(300);
     for (text, expected) in [
         (format!("[USARBot.P3AT]\n{0}[USARActuator.Hand]\n{0}", many("Hand")), "an actuator on 5 others"),
-        (format!("[USARBot.P3AT]\n{}", many("KR60Arm")), "links: expected at most 100"),
+        (format!("[USARBot.P3AT]\n{}", many("KR60Arm")), "links: expected at most 150"),
     ] {
         let equipment = inis(&[text.as_bytes()]);
         let error = robot_equipped("P3AT", Changes { overrides: &[], equipment: &equipment }).unwrap_err().to_string();

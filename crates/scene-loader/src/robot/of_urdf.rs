@@ -101,21 +101,27 @@ pub enum WheelDrive {
     Car,
 }
 
+/// A URDF from which a robot is guessed.
+#[derive(Clone, Copy)]
+pub(crate) struct OfUrdf<'a> {
+    /// The folder of its meshes.
+    pub(crate) source: &'a Source,
+    /// Its name there.
+    pub(crate) file: &'a str,
+    pub(crate) text: &'a str,
+    /// Name of the robot's class.
+    pub(crate) class: &'a str,
+    pub(crate) materials: &'a Materials,
+    pub(crate) known: Known<'a>,
+}
+
 /// Guesses a robot. One whose wheels roll along another axis than x is turned, so that it drives along its x.
-pub(crate) fn read(
-    source: &Source,
-    file: &str,
-    class: &str,
-    text: &str,
-    materials: &Materials,
-    known: Known,
-    problems: &mut Problems,
-) -> Option<Guessed> {
-    let (guessed, yaw) = guess(source, file, class, text, materials, known, problems)?;
+pub(crate) fn read(of: &OfUrdf, problems: &mut Problems) -> Option<Guessed> {
+    let (guessed, yaw) = guess(of, problems)?;
     let turned = yaw.and_then(|yaw| {
-        let text = urdf::turned(text, yaw)?;
+        let text = &urdf::turned(of.text, yaw)?;
         let mut wrong = Problems::default();
-        let (guessed, _) = guess(source, file, class, &text, materials, known, &mut wrong)?;
+        let (guessed, _) = guess(&OfUrdf { text, ..*of }, &mut wrong)?;
         (wrong.count() == 0 && stands_on_wheels(&guessed.robot)).then_some((guessed, yaw))
     });
     if let Some((mut guessed, yaw)) = turned {
@@ -141,15 +147,8 @@ fn stands_on_wheels(robot: &RobotDef) -> bool {
 }
 
 /// Guesses a robot as its file has it. Also returns the angle by which it has to be turned for its joints to be wheels, if any.
-fn guess(
-    source: &Source,
-    file: &str,
-    class: &str,
-    text: &str,
-    materials: &Materials,
-    known: Known,
-    problems: &mut Problems,
-) -> Option<(Guessed, Option<f64>)> {
+fn guess(of: &OfUrdf, problems: &mut Problems) -> Option<(Guessed, Option<f64>)> {
+    let &OfUrdf { source, file, text, class, materials, known } = of;
     let material = |name: &str| materials.get(name).cloned().unwrap_or_default();
     let urdf = urdf::read(source, file, text, material(BODY), problems).ok()?;
     let mut guess = Guess {
