@@ -102,7 +102,7 @@ pub(super) fn read(
     }
     if !robots.is_empty() {
         let names = shortened(&robots);
-        found.notes.push(format!("models with joints stand fast, and may be robots for `usarsim import`: {names}"));
+        found.notes.push(format!("models with joints stand fast, as robots are imported from URDF alone: {names}"));
     }
     found.notes.extend(notes.into_iter().map(|(what, count)| counted(&what, count)));
     Ok(found)
