@@ -61,10 +61,7 @@ impl Maps {
     /// Adds a map that came while the server runs. It gets a number if another one has its name. Returns its name.
     pub(crate) fn add(&self, mut map: MapDef) -> String {
         let mut maps = self.lock();
-        let numbered = (2..).map(|number| format!("{}_{number}", map.name));
-        let mut names = std::iter::once(map.name.clone()).chain(numbered);
-        let is_free = |name: &String| !maps.iter().any(|map| map.name.eq_ignore_ascii_case(name));
-        let name = names.find(is_free).unwrap_or_default();
+        let name = names::free(&map.name, |name| !maps.iter().any(|map| map.name.eq_ignore_ascii_case(name)));
         map.name.clone_from(&name);
         let added = maps.iter().filter(|map| map.is_added).count();
         if added >= MAX_ADDED

@@ -1,4 +1,4 @@
-//! Parts of messages about wrong names: the nearest name, and a list of the known ones.
+//! Names: parts of messages about wrong ones, such as the nearest name and a list of the known ones, and free ones.
 
 /// Most names that a message lists.
 const MAX_LISTED: usize = 30;
@@ -32,6 +32,12 @@ pub fn count(number: usize, thing: &str) -> String {
     format!("{number} {thing}{end}")
 }
 
+/// Returns a name that is free: the wanted one, or that with the first number from 2 that makes it free, as `cart_2`.
+pub fn free(wanted: &str, is_free: impl Fn(&str) -> bool) -> String {
+    let mut names = std::iter::once(wanted.to_owned()).chain((2..).map(|number: u64| format!("{wanted}_{number}")));
+    names.find(|name| is_free(name)).unwrap_or_default()
+}
+
 /// The examples of the README, as tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
@@ -40,6 +46,15 @@ struct Readme;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_free_name_is_the_wanted_one_or_has_the_first_number_that_is_free() {
+        for (taken, expected) in
+            [(&[][..], "cart"), (&["cart_2"], "cart"), (&["cart"], "cart_2"), (&["cart", "cart_2"], "cart_3")]
+        {
+            assert_eq!(free("cart", |name| !taken.contains(&name)), expected, "{taken:?}");
+        }
+    }
 
     #[test]
     fn the_nearest_name_is_found_and_a_far_one_is_not() {

@@ -441,13 +441,13 @@ impl Desk {
     /// Returns the name of a new robot of a class: its own, or, if it may be renamed, one that nobody has.
     fn free_name(&self, called: String, class: &str, allow_renaming: bool) -> Result<String, srv::Result> {
         let taken: Vec<String> = self.entities().into_iter().map(|entity| entity.name).collect();
-        let is_free = |name: &String| !name.is_empty() && !taken.contains(name);
+        let is_free = |name: &str| !name.is_empty() && !taken.iter().any(|taken| taken == name);
         let own = if called.is_empty() && allow_renaming { class.to_owned() } else { called };
         if is_free(&own) {
             return Ok(own);
         }
         if allow_renaming {
-            return Ok((2..).map(|number: u32| format!("{own}_{number}")).find(is_free).unwrap_or_default());
+            return Ok(names::free(&own, is_free));
         }
         Err(match own.as_str() {
             "" => srv::Result::failed(code::NAME_INVALID, "expected a name, or allow_renaming"),

@@ -85,13 +85,13 @@ impl Classes {
     /// If 64 classes were added, in words.
     pub fn add(&self, mut def: RobotDef) -> Result<&str, String> {
         let _guard = self.added.adding.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_same = |known: &RobotDef| {
-            let named = RobotDef { class: known.class.clone(), ..def.clone() };
-            named.class.starts_with(&def.class) && named == *known
-        };
-        let mut added = self.added.slots.iter().map_while(OnceLock::get);
-        if let Some((name, _)) = added.find(|(_, class)| class.get().is_ok_and(is_same)) {
-            return Ok(name);
+        let wanted = def.class.clone();
+        for (name, class) in self.added().filter(|(name, _)| name.starts_with(&wanted)) {
+            // Only its number may differ.
+            def.class.clone_from(name);
+            if class.get() == Ok(&def) {
+                return Ok(name);
+            }
         }
         let slot = self
             .added
@@ -99,21 +99,23 @@ impl Classes {
             .iter()
             .find(|slot| slot.get().is_none())
             .ok_or_else(|| format!("{MAX_ADDED} classes were added since the start: expected no more"))?;
-        let numbered = (2..).map(|number| format!("{}_{number}", def.class));
-        let mut names = std::iter::once(def.class.clone()).chain(numbered);
-        def.class = names.find(|name| self.find(name).is_none()).unwrap_or_default();
+        def.class = names::free(&wanted, |name| self.find(name).is_none());
         let (name, _) = slot.get_or_init(|| (def.class.clone(), Class::of(def)));
         Ok(name)
     }
 
+    /// Returns the classes that were added.
+    fn added(&self) -> impl Iterator<Item = (&String, &Class)> {
+        self.added.slots.iter().map_while(OnceLock::get).map(|(name, class)| (name, class))
+    }
+
     /// Returns all classes, those that were added last.
     fn all(&self) -> impl Iterator<Item = (&String, &Class)> {
-        let added = self.added.slots.iter().map_while(OnceLock::get);
-        self.first.iter().map(|(name, class)| (name, &**class)).chain(added.map(|(name, class)| (name, class)))
+        self.first.iter().map(|(name, class)| (name, &**class)).chain(self.added())
     }
 
     fn class(&self, name: &str) -> Option<&Class> {
-        let added = || self.all().skip(self.first.len()).find(|(known, _)| *known == name).map(|(_, class)| class);
+        let added = || self.added().find(|(known, _)| *known == name).map(|(_, class)| class);
         self.first.get(name).map(|class| &**class).or_else(added)
     }
 
