@@ -124,17 +124,12 @@ pub(crate) fn read(of: &OfUrdf, problems: &mut Problems) -> Option<Guessed> {
         let (guessed, _) = guess(&OfUrdf { text, ..*of }, &mut wrong)?;
         (wrong.count() == 0 && stands_on_wheels(&guessed.robot)).then_some((guessed, yaw))
     });
-    if let Some((mut guessed, yaw)) = turned {
-        let degrees = -yaw.to_degrees();
-        guessed.robot.assumptions.insert(
-            0,
-            format!(
-                "its wheels roll at {degrees:.0} degrees to its x, so it is turned by as much and drives along its x"
-            ),
-        );
-        guessed.changes.push(Change::Turn(yaw));
-        return Some(guessed);
-    }
+    let Some((mut guessed, yaw)) = turned else { return Some(guessed) };
+    let degrees = -yaw.to_degrees();
+    let turned =
+        format!("its wheels roll at {degrees:.0} degrees to its x, so it is turned by as much and drives along its x");
+    guessed.robot.assumptions.insert(0, turned);
+    guessed.changes.push(Change::Turn(yaw));
     Some(guessed)
 }
 
@@ -415,37 +410,29 @@ impl Guess<'_> {
                 self.changes.push(Change::Rename(std::mem::replace(&mut link.name, name.clone()), name));
             }
             steered.push(link.name.clone());
-            self.add_steering_motor(parent);
-            self.stiffen(parent);
+            self.set_steering_motor(parent);
         }
         steered
     }
 
-    /// Gives a joint that steers a servo if the file gives none: some exporters write no effort.
-    fn add_steering_motor(&mut self, number: usize) {
-        if self.urdf.links[number].joint.as_ref().is_none_or(|joint| joint.drive.is_some() || joint.coupling.is_some())
-        {
-            return;
-        }
+    /// Gives a joint that steers a servo that holds its angle against friction, as a joint with a name of USARSim gets. Where the file gives
+    /// no effort, as some exporters write it, torque and speed are guessed.
+    fn set_steering_motor(&mut self, number: usize) {
         let torque =
             (STEERING_PUSH * check::EARTH_GRAVITY * self.mass()).clamp(check::MAX_TORQUE.least, check::MAX_TORQUE.most);
         let inertia = urdf::inertia_beyond(&self.urdf.links, number);
         let link = &mut self.urdf.links[number];
-        if let Some(joint) = &mut link.joint {
-            joint.drive = Some(urdf::servo(joint.kind, STEERING_SPEED, torque, inertia, urdf::STEERING_ERROR));
-        }
-        let name = link.name.clone();
-        self.changes.push(Change::Limit(name.clone(), [torque, STEERING_SPEED]));
-        self.urdf.say_of(&name, format!("steers with {torque:.1} N m and {STEERING_SPEED} rad/s, as the effort is 0"));
-    }
-
-    /// Lets the servo of a joint that steers hold its angle against friction, as that of a joint with a name of USARSim does.
-    fn stiffen(&mut self, number: usize) {
-        let inertia = urdf::inertia_beyond(&self.urdf.links, number);
-        if let Some(joint) = &mut self.urdf.links[number].joint
-            && let Some(motor) = &mut joint.drive
-        {
-            *motor = urdf::servo(joint.kind, motor.max_speed, motor.max_torque, inertia, urdf::STEERING_ERROR);
+        let Some(joint) = link.joint.as_mut().filter(|joint| joint.drive.is_some() || joint.coupling.is_none()) else {
+            return;
+        };
+        let given = joint.drive.as_ref().map(|motor| (motor.max_speed, motor.max_torque));
+        let (max_speed, max_torque) = given.unwrap_or((STEERING_SPEED, torque));
+        joint.drive = Some(urdf::servo(joint.kind, max_speed, max_torque, inertia, urdf::STEERING_ERROR));
+        if given.is_none() {
+            let name = link.name.clone();
+            self.changes.push(Change::Limit(name.clone(), [torque, STEERING_SPEED]));
+            self.urdf
+                .say_of(&name, format!("steers with {torque:.1} N m and {STEERING_SPEED} rad/s, as the effort is 0"));
         }
     }
 

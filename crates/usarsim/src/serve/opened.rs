@@ -14,6 +14,8 @@ use crate::Failure;
 use crate::import::{self, xacro};
 use crate::import_map::{self, Made};
 
+/// Files that can be opened, in words.
+const EXPECTED: &str = "expected a .urdf, .sdf, .world, .glb, .gltf, .obj, .stl or .dae file";
 /// Most files that a question lists.
 const MAX_CHOICES: usize = 20;
 /// Extents of a mesh, m, beyond which its unit may be another.
@@ -39,9 +41,7 @@ pub(super) fn open(
     let opened = match kind(&file) {
         Some(Kind::Robot | Kind::Xacro) => robot(folder, &file, drive_model),
         Some(Kind::World | Kind::Mesh) => map(folder, work, &file),
-        None => {
-            Err("expected a .urdf, .sdf, .world, .glb, .gltf, .obj, .stl or .dae file, or a folder with one".to_owned())
-        }
+        None => Err(format!("{EXPECTED}, or a folder with one")),
     };
     // Whoever dropped the file knows it by its own name.
     let shown =
@@ -93,10 +93,7 @@ fn candidates(folder: &Path) -> Vec<String> {
 /// Returns the only candidate.
 fn only(names: &[String]) -> Result<&String, NotOpened> {
     match names {
-        [] => Err(NotOpened::Bad(
-            "nothing here can be opened: expected a .urdf, .sdf, .world, .glb, .gltf, .obj, .stl or .dae file"
-                .to_owned(),
-        )),
+        [] => Err(NotOpened::Bad(format!("nothing here can be opened: {EXPECTED}"))),
         [name] => Ok(name),
         names => Err(NotOpened::Choose(names.iter().take(MAX_CHOICES).cloned().collect())),
     }
