@@ -155,11 +155,13 @@ const play = new PlayBar(state, live, playback);
 new Opening(transport, {
   log: (file) => void playback.open(file),
   robot(robotClass, place) {
-    const names = state.scene?.names;
-    if (names && !names.includes(robotClass)) names.push(robotClass);
-    drive.updateScene();
-    if (place) drive.spawnAt(robotClass, place);
-    else drive.spawnAnywhere(robotClass);
+    // The form offers the class when it is here.
+    void live.classOf(robotClass).then((came) => {
+      if (!came) return say(`The server does not send the class ${robotClass}: try again`);
+      drive.updateScene();
+      if (place) drive.spawnAt(robotClass, place);
+      else drive.spawnAnywhere(robotClass);
+    });
   },
   map: (name) => void changeMap(state, live, name),
   groundAt: (x, y) => view.groundAt(x, y),
