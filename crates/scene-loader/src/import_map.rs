@@ -1,7 +1,5 @@
 //! Maps from files of other programs: meshes with several objects, and Gazebo's SDF.
 
-mod frames;
-mod models;
 mod sdf;
 mod solids;
 
@@ -13,9 +11,9 @@ use nalgebra::Vector3;
 use scene::check::{FRICTION, MAX_NAME, MAX_OBJECTS, MAX_SOLIDS, MAX_TRIANGLES};
 use scene::{Material, Pose, Shape};
 
-use self::models::Models;
 use crate::mesh::{self, Piece};
 use crate::problem::Problems;
+use crate::sdf::models::Models;
 use crate::source::Source;
 use crate::{LoadError, shipped};
 

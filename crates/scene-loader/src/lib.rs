@@ -16,6 +16,7 @@ mod mesh;
 mod overrides;
 mod problem;
 mod robot;
+mod sdf;
 mod shipped;
 mod source;
 mod urdf;

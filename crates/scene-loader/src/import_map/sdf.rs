@@ -9,13 +9,14 @@ use roxmltree::Node;
 use scene::check::MAX_SOLIDS;
 use scene::{Geographic, Pose, Shape};
 
-use super::frames::{self, FrameError, Frames};
-use super::models::{Models, WellKnown, well_known};
 use super::{Budget, FoundObject, Geometry, Touch, solids};
 use crate::LoadError;
 use crate::map::height_field;
 use crate::mesh::{self, Piece};
 use crate::problem::Problems;
+use crate::sdf::frames::{self, FrameError, Frames};
+use crate::sdf::models::{Models, WellKnown, well_known};
+use crate::sdf::{child, children, is_true, number_of, numbers, text_of};
 use crate::source::{MAX_MESH, MAX_TEXT, Source};
 use crate::urdf::z_down;
 use crate::xml;
@@ -574,32 +575,4 @@ fn bits(text: &str) -> Option<u32> {
         Some(digits) => u32::from_str_radix(digits, 16).ok(),
         None => text.parse().ok(),
     }
-}
-
-fn is_true(text: &str) -> bool {
-    ["true", "1"].contains(&text)
-}
-
-fn children<'a, 'i>(node: Node<'a, 'i>, tag: &'static str) -> impl Iterator<Item = Node<'a, 'i>> {
-    node.children().filter(move |it| it.has_tag_name(tag))
-}
-
-fn child<'a, 'i>(node: Node<'a, 'i>, tag: &'static str) -> Option<Node<'a, 'i>> {
-    children(node, tag).next()
-}
-
-/// Returns the text of a child; empty without one.
-fn text_of<'a>(node: Node<'a, '_>, tag: &str) -> &'a str {
-    node.children().find(|it| it.has_tag_name(tag)).and_then(|it| it.text()).unwrap_or_default().trim()
-}
-
-fn number_of(node: Node, tag: &str) -> Option<f64> {
-    numbers::<1>(text_of(node, tag)).map(|[number]| number)
-}
-
-/// Reads exactly as many finite numbers as are wanted.
-fn numbers<const COUNT: usize>(text: &str) -> Option<[f64; COUNT]> {
-    let numbers: Option<Vec<f64>> =
-        text.split_whitespace().map(|word| word.parse().ok().filter(|it: &f64| it.is_finite())).collect();
-    numbers?.try_into().ok()
 }

@@ -14,7 +14,7 @@ const MAX_INSIDE: usize = 1000;
 
 /// A pose that cannot be known.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum FrameError {
+pub(crate) enum FrameError {
     #[error("a pose that is not `x y z roll pitch yaw`")]
     Numbers,
     #[error("no frame `{0}`")]
@@ -26,7 +26,7 @@ pub(super) enum FrameError {
 }
 
 /// The frames of a world or a model.
-pub(super) struct Frames<'a, 'i> {
+pub(crate) struct Frames<'a, 'i> {
     nodes: BTreeMap<String, Node<'a, 'i>>,
     /// Lookups inside of other models so far.
     inside: Cell<usize>,
@@ -34,19 +34,19 @@ pub(super) struct Frames<'a, 'i> {
 
 impl<'a, 'i> Frames<'a, 'i> {
     /// Collects the frames in a world or a model.
-    pub(super) fn of(scope: Node<'a, 'i>) -> Self {
+    pub(crate) fn of(scope: Node<'a, 'i>) -> Self {
         let kinds = ["link", "joint", "model", "frame", "include"];
         let nodes = scope.children().filter(|node| kinds.contains(&node.tag_name().name()));
         Self { nodes: nodes.filter_map(|node| Some((name_of(node)?, node))).collect(), inside: Cell::new(0) }
     }
 
     /// Returns the pose of an element in its world or model.
-    pub(super) fn pose(&self, node: Node<'a, 'i>) -> Result<Isometry3<f64>, FrameError> {
+    pub(crate) fn pose(&self, node: Node<'a, 'i>) -> Result<Isometry3<f64>, FrameError> {
         self.pose_within(node, 0)
     }
 
     /// Returns the pose of an element that is usually relative to one of these frames.
-    pub(super) fn pose_on(&self, node: Node<'a, 'i>, usual: &Isometry3<f64>) -> Result<Isometry3<f64>, FrameError> {
+    pub(crate) fn pose_on(&self, node: Node<'a, 'i>, usual: &Isometry3<f64>) -> Result<Isometry3<f64>, FrameError> {
         let own = pose(node)?;
         match relative(node) {
             Some(frame) => Ok(self.frame(frame, 0)? * own),
@@ -55,7 +55,7 @@ impl<'a, 'i> Frames<'a, 'i> {
     }
 
     /// Returns the pose of a frame by its name.
-    pub(super) fn named(&self, name: &str) -> Result<Isometry3<f64>, FrameError> {
+    pub(crate) fn named(&self, name: &str) -> Result<Isometry3<f64>, FrameError> {
         self.frame(name, 0)
     }
 
@@ -109,7 +109,7 @@ fn relative<'a>(node: Node<'a, '_>) -> Option<&'a str> {
 }
 
 /// Reads the numbers of an element's pose, z up.
-pub(super) fn pose(node: Node) -> Result<Isometry3<f64>, FrameError> {
+pub(crate) fn pose(node: Node) -> Result<Isometry3<f64>, FrameError> {
     let Some(pose) = node.children().find(|it| it.has_tag_name("pose")) else { return Ok(Isometry3::identity()) };
     let text = pose.text().unwrap_or_default().trim();
     let words: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();

@@ -17,7 +17,7 @@ const WELL_KNOWN: [(&str, WellKnown); 3] =
 
 /// A model that needs no file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum WellKnown {
+pub(crate) enum WellKnown {
     /// A light, without a shape.
     Light,
     /// A plane at z = 0.
@@ -26,11 +26,11 @@ pub(super) enum WellKnown {
 
 /// Places where models are looked for.
 #[derive(Clone, Copy)]
-pub(super) struct Models<'a> {
+pub(crate) struct Models<'a> {
     /// Folders beside those of the file itself.
-    pub(super) folders: &'a [PathBuf],
+    pub(crate) folders: &'a [PathBuf],
     /// Folder outside of which nothing is read, without `..` and links.
-    pub(super) within: Option<&'a Path>,
+    pub(crate) within: Option<&'a Path>,
 }
 
 /// Returns the name of a model in an address: `crate` for `model://crate`, `Ground Plane` for one of Fuel.
@@ -45,14 +45,14 @@ fn name_in(uri: &str) -> String {
 }
 
 /// Returns the well-known model at an address.
-pub(super) fn well_known(uri: &str) -> Option<WellKnown> {
+pub(crate) fn well_known(uri: &str) -> Option<WellKnown> {
     let name = name_in(uri).to_ascii_lowercase().replace(' ', "_");
     WELL_KNOWN.iter().find(|(known, _)| *known == name).map(|(_, model)| *model)
 }
 
 impl Models<'_> {
     /// Returns the folder of a model and its file; `None` if it is not there.
-    pub(super) fn find(self, beside: &Source, uri: &str) -> Option<(Source, String)> {
+    pub(crate) fn find(self, beside: &Source, uri: &str) -> Option<(Source, String)> {
         let name = name_in(uri);
         if name.is_empty() {
             return None;
@@ -74,7 +74,7 @@ impl Models<'_> {
     }
 
     /// Returns the folder and the name of a mesh in it; `None` if it is not there.
-    pub(super) fn mesh(self, beside: &Source, uri: &str) -> Option<(Source, String)> {
+    pub(crate) fn mesh(self, beside: &Source, uri: &str) -> Option<(Source, String)> {
         let place = |path: &Path| {
             let file = path.file_name()?.to_string_lossy().into_owned();
             (self.admits(path) && path.is_file()).then(|| (Source::of_file(path), file))
