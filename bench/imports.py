@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Robots of public ROS packages through `usarsim import`: loads, stands, moves. Makes the table of docs/howto-import.md.
+"""Robots of public ROS packages and of Gazebo through `usarsim import`: loads, stands, moves. Makes the table of docs/howto-import.md.
 
     python3 -m venv venv && . venv/bin/activate && pip install xacro
     cargo build --release --bin usarsim      # or USARSIM names another build of the program
-    python3 bench/imports.py FOLDER [--later] [--only Husky] [--page docs/howto-import.md]
+    python3 bench/imports.py FOLDER [--later | --sdf] [--only Husky] [--page docs/howto-import.md]
 
 FOLDER has a checkout of each repository below, by its name without the owner. None of them is part of this project. A robot on wheels is
 driven ahead at 2 rad/s and on the spot at 1 rad/s, a car with 0.2 rad of steering, for two seconds on a smooth floor, and compared with wheels
@@ -130,6 +130,33 @@ LATER = [
     ("Z1", "unitreerobotics/unitree_ros", "robots/z1_description/xacro/z1.urdf", []),
     ("XArm7", "xArm-Developer/xarm_ros2", "xarm_description/urdf/xarm_device.urdf.xacro", ["dof:=7"]),
     ("Lite6", "xArm-Developer/xarm_ros2", "xarm_description/urdf/xarm_device.urdf.xacro", ["dof:=6", "robot_type:=lite"]),
+]
+
+# Robots that are SDF, of worlds and of models.
+WORLDS = "examples/worlds"
+SDF = [
+    ("VehicleBlue", "gazebosim/gz-sim", f"{WORLDS}/diff_drive.sdf", ["--model", "vehicle_blue"]),
+    ("SkidSteer", "gazebosim/gz-sim", f"{WORLDS}/diff_drive_skid.sdf", []),
+    ("GzAckermann", "gazebosim/gz-sim", f"{WORLDS}/ackermann_steering.sdf", []),
+    ("GzMecanum", "gazebosim/gz-sim", f"{WORLDS}/mecanum_drive.sdf", []),
+    ("TrisphereGz", "gazebosim/gz-sim", f"{WORLDS}/trisphere_cycle_wheel_slip.sdf", ["--model", "trisphere_cycle0"]),
+    ("Tunnel", "gazebosim/gz-sim", f"{WORLDS}/tunnel.sdf", []),
+    ("VehicleLidar", "gazebosim/gz-sim", f"{WORLDS}/visualize_lidar.sdf", []),
+    ("ArmTrajectory", "gazebosim/gz-sim", f"{WORLDS}/joint_trajectory_controller.sdf", ["--model", "RR_position_control"]),
+    ("CartFront", "osrf/gazebo_models", "cart_front_steer/model.sdf", []),
+    ("CartRigid", "osrf/gazebo_models", "cart_rigid_suspension/model.sdf", []),
+    ("CartSoft", "osrf/gazebo_models", "cart_soft_suspension/model.sdf", []),
+    ("Create", "osrf/gazebo_models", "create/model.sdf", []),
+    ("Follower", "osrf/gazebo_models", "follower_vehicle/model.sdf", []),
+    ("GzHusky", "osrf/gazebo_models", "husky/model.sdf", []),
+    ("Pioneer2DX", "osrf/gazebo_models", "pioneer2dx/model.sdf", []),
+    ("Pioneer3AT", "osrf/gazebo_models", "pioneer3at/model.sdf", []),
+    ("Polaris", "osrf/gazebo_models", "polaris_ranger_ev/model.sdf", []),
+    ("Prius", "osrf/gazebo_models", "prius_hybrid/model.sdf", []),
+    ("GzPR2", "osrf/gazebo_models", "pr2/model.sdf", []),
+    ("GzTurtlebot", "osrf/gazebo_models", "turtlebot/model.sdf", []),
+    ("UtilityCart", "osrf/gazebo_models", "utility_cart/model.sdf", []),
+    ("SimpleArm", "osrf/gazebo_models", "simple_arm/model.sdf", []),
 ]
 
 
@@ -292,10 +319,11 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--only", help="a class")
     parser.add_argument("--later", action="store_true", help="the robots that were chosen afterwards")
+    parser.add_argument("--sdf", action="store_true", help="the robots that are SDF")
     parser.add_argument("--page", type=pathlib.Path, help="page whose table is renewed")
     arguments = parser.parse_args()
     rows = [["robot", "source", "loads", "stands", "moves", "guessed or missing"], ["---"] * 6]
-    robots = [robot for robot in (LATER if arguments.later else ROBOTS) if arguments.only in (None, robot[0])]
+    robots = [robot for robot in (SDF if arguments.sdf else LATER if arguments.later else ROBOTS) if arguments.only in (None, robot[0])]
     with tempfile.TemporaryDirectory() as work, ThreadPoolExecutor(os.cpu_count()) as threads:
         for cells in threads.map(lambda robot: row(arguments.folder.resolve(), pathlib.Path(work), *robot), robots):
             rows.append(cells)
@@ -303,7 +331,7 @@ def main():
     table = "\n".join(f"| {' | '.join(cells)} |" for cells in rows)
     if arguments.page:
         text = arguments.page.read_text()
-        begin, end = f"<!-- table of bench/imports.py{' --later' if arguments.later else ''} -->\n", "<!-- end -->"
+        begin, end = f"<!-- table of bench/imports.py{' --sdf' if arguments.sdf else ' --later' if arguments.later else ''} -->\n", "<!-- end -->"
         before, rest = text.split(begin)
         arguments.page.write_text(f"{before}{begin}\n{table}\n\n{end}{rest.split(end, 1)[1]}")
 

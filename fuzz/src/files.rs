@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use gamebots_proto::Command;
 use scene::WorldDef;
-use scene_loader::{Changes, Content, Equipment, Import, LeagueFile, LoadError, MapImport, Packages};
+use scene_loader::{Changes, Content, Equipment, Import, LeagueFile, LoadError, MapImport, Packages, SdfFile};
 use sessions::{News, Request, Sessions};
 use sim_core::{Options, World};
 use tempfile::TempDir;
@@ -110,12 +110,21 @@ pub fn ini(bytes: &[u8]) {
     }
 }
 
-/// A world of Gazebo, from which a map is made.
+/// A world of Gazebo, from which a map and a robot are made.
 pub fn sdf(bytes: &[u8]) {
     let folder = Folder::new(&[("part.obj", MESH.as_bytes())]);
     let file = folder.with("x.sdf", bytes);
-    let import =
-        MapImport { file: &file, scale: 1.0, materials: &[], floor: true, models: &[], within: None, is_strict: false };
+    robot_of_sdf(&file);
+    let import = MapImport {
+        file: &file,
+        scale: 1.0,
+        materials: &[],
+        floor: true,
+        models: &[],
+        without: &[],
+        within: None,
+        is_strict: false,
+    };
     let made = scene_loader::import_map(&import);
     assert_lines(&made);
     let Ok(made) = made else { return };
@@ -124,6 +133,20 @@ pub fn sdf(bytes: &[u8]) {
     }
     let start = "[[start]]\nname = \"PlayerStart_0\"\nposition = [0.0, 0.0, 0.0]\n";
     drive_on_map(&folder.with("map.toml", (made.text + start).as_bytes()));
+}
+
+/// Imports the robots of a file of SDF. The URDF that one becomes is good, but for what its numbers say.
+fn robot_of_sdf(file: &Path) {
+    let work = Folder::new(&[]);
+    let of = SdfFile { file, models: &[], within: None, work: &work.path("") };
+    let Ok((robots, _)) = scene_loader::sdf_robots(&of) else { return };
+    for name in robots.iter().take(3) {
+        let robot = scene_loader::sdf_robot(&of, Some(name)).expect("it is listed");
+        assert!(!scene_loader::is_sdf(&robot.text) && scene_loader::urdf_name(&robot.text).is_some(), "{}", robot.text);
+        let mut packages = Packages::around(file, &[], &[]).expect("its folder");
+        packages.allow(work.path(""));
+        import(file, &robot.text, &robot.wheels, &packages);
+    }
 }
 
 /// A URDF, checked by itself, as the body of two robots, and imported. A mesh that it may name is there.
@@ -139,23 +162,15 @@ pub fn urdf(bytes: &[u8]) {
     assert_lines(&scene_loader::check(&folder.with("robot.urdf", bytes)));
     drive_robot(&folder.path("robot.toml"));
     drive_robot(&folder.path("jointed.toml"));
-    import(&folder.path("robot.urdf"));
+    let file = &folder.path("robot.urdf");
+    let Ok(text) = scene_loader::xml_text(file) else { return };
+    import(file, &text, &[], &Packages::around(file, &[], &[]).expect("its folder"));
 }
 
 /// Imports a URDF. What the import makes is a robot.
-fn import(file: &Path) {
-    let Ok(text) = scene_loader::xml_text(file) else { return };
-    let packages = Packages::around(file, &[], &[]).expect("its folder");
-    let Ok(imported) = scene_loader::import(&Import {
-        file,
-        text: &text,
-        class: "Robot",
-        packages: &packages,
-        wheels: &[],
-        drive: None,
-    }) else {
-        return;
-    };
+fn import(file: &Path, text: &str, wheels: &[String], packages: &Packages) {
+    let import = Import { file, text, class: "Robot", packages, wheels, drive: None };
+    let Ok(imported) = scene_loader::import(&import) else { return };
     let folder = Folder::new(&[]);
     std::fs::create_dir(folder.path("meshes")).expect("a folder");
     for (name, content) in imported.files {

@@ -32,7 +32,7 @@ const MOST_STEPS: u64 = 100_000;
 const MOST_SPAWNED: usize = 256;
 /// Ways to name a robot that is to come.
 const SPAWNED_BY: &str =
-    "expected the name of a class as the URI, which GetSpawnables lists, or a URDF as resource_string";
+    "expected the name of a class as the URI, which GetSpawnables lists, or a URDF or SDF as resource_string";
 /// Largest compiled regular expression of a filter, bytes.
 const FILTER_BYTES: usize = 1 << 16;
 
@@ -96,7 +96,7 @@ impl Desk {
         offer.standard("GetSimulatorFeatures", async |desk: &Desk, _: srv::Empty| srv::Features {
             features: srv::SimulatorFeatures {
                 features: srv::FEATURES.to_vec(),
-                spawn_formats: desk.read_robot.iter().map(|_| "urdf".to_owned()).collect(),
+                spawn_formats: desk.read_robot.iter().flat_map(|_| ["urdf", "sdf"]).map(str::to_owned).collect(),
                 custom_info: SPAWNED_BY.to_owned(),
             },
         });

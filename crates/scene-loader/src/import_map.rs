@@ -1,7 +1,6 @@
 //! Maps from files of other programs: meshes with several objects, and Gazebo's SDF.
 
 mod sdf;
-mod solids;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -39,6 +38,8 @@ pub struct MapImport<'a> {
     pub floor: bool,
     /// Folders in which models of Gazebo are looked for, beside those around the file.
     pub models: &'a [PathBuf],
+    /// Names of models of SDF that are left out, as robots that are imported by themselves.
+    pub without: &'a [String],
     /// Folder outside of which nothing is read, for files of strangers: a whole path without links. `None` if everything may be.
     pub within: Option<&'a Path>,
     /// True to refuse a file whose models or meshes are not all there.
@@ -112,7 +113,7 @@ pub fn import_map(import: &MapImport) -> Result<ImportedMap, LoadError> {
         Some("sdf" | "world") => {
             let mut problems = Problems::default();
             let models = Models { folders: import.models, within: import.within };
-            let read = sdf::read(&source, &file, models, import.is_strict, &mut problems)?;
+            let read = sdf::read(&source, &file, models, import, &mut problems)?;
             problems.into_result(read)?
         }
         Some("glb" | "gltf" | "obj" | "stl" | "dae") => {
@@ -340,7 +341,7 @@ impl ImportedMap {
                     Names(self.meshes.iter().map(|(file, _)| file.trim_end_matches(".obj").to_owned()).collect())
                         .new_one(&name.chars().map(simple).take(60).collect::<String>());
                 let file = format!("{}.obj", file.to_ascii_lowercase());
-                self.meshes.push((file.clone(), obj(piece)));
+                self.meshes.push((file.clone(), mesh::as_obj(piece)));
                 ("mesh", format!("file = {}\n", quoted(&file)))
             }
         };
@@ -391,18 +392,6 @@ fn number(value: f64) -> String {
 
 fn list(values: &[f64]) -> String {
     format!("[{}]", values.iter().map(|&value| number(value)).collect::<Vec<_>>().join(", "))
-}
-
-/// Writes a mesh as OBJ.
-fn obj(piece: &Piece) -> Vec<u8> {
-    let mut text = String::new();
-    for [x, y, z] in &piece.vertices {
-        let _ = writeln!(text, "v {x} {y} {z}");
-    }
-    for [a, b, c] in piece.triangles.iter().map(|triangle| triangle.map(|index| index + 1)) {
-        let _ = writeln!(text, "f {a} {b} {c}");
-    }
-    text.into_bytes()
 }
 
 /// Counts triangles, which all meshes of a map share.

@@ -5,6 +5,7 @@ mod gltf;
 mod simplify;
 
 use std::collections::HashMap;
+use std::fmt::Write;
 use std::io::Cursor;
 
 use scene::Shape;
@@ -49,6 +50,18 @@ pub(crate) fn joined(pieces: Vec<Piece>) -> Piece {
         whole.triangles.extend(piece.triangles.iter().map(|corners| corners.map(|corner| corner + first)));
     }
     whole
+}
+
+/// Writes a mesh as OBJ.
+pub(crate) fn as_obj(piece: &Piece) -> Vec<u8> {
+    let mut text = String::new();
+    for [x, y, z] in &piece.vertices {
+        let _ = writeln!(text, "v {x} {y} {z}");
+    }
+    for [a, b, c] in piece.triangles.iter().map(|triangle| triangle.map(|index| index + 1)) {
+        let _ = writeln!(text, "f {a} {b} {c}");
+    }
+    text.into_bytes()
 }
 
 /// Reads the pieces of a mesh.

@@ -18,6 +18,7 @@ use scene::{Coupling, CouplingKind, Joint, JointKind, Link, Material, Motor, Par
 use urdf_rs::{Geometry, JointType};
 
 use self::check::{Check, unexpanded};
+pub(crate) use self::clean::escaped;
 use self::looks::Looks;
 pub(crate) use self::turn::turn;
 use crate::mesh;
@@ -36,9 +37,11 @@ pub(crate) const FULL_TORQUE_LAG: f64 = 0.1;
 /// Travel of a revolute joint from which on it turns many times, rad: three turns. Arms have up to two.
 const MANY_TURNS: f64 = 3.0 * std::f64::consts::TAU;
 /// Speed limit of a joint with an effort and without a speed, rad/s or m/s.
-const JOINT_SPEED: f64 = 3.0;
+pub(crate) const JOINT_SPEED: f64 = 3.0;
 /// Maximum number of folders above that of the URDF in which a mesh of a package is searched.
 const MAX_LEVELS: usize = 4;
+/// Digits that are kept of a pose that was turned: beyond these is only the rounding of a right angle.
+const KEPT: f64 = 1e12;
 /// Note about a joint without an effort.
 const FREE: &str = "free to swing, as the effort is 0";
 
@@ -501,6 +504,14 @@ pub(crate) fn z_down() -> UnitQuaternion<f64> {
 pub(crate) fn isometry(origin: &urdf_rs::Pose) -> Isometry3<f64> {
     let [roll, pitch, yaw] = *origin.rpy;
     Isometry3::from_parts(Vector3::from(*origin.xyz).into(), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
+}
+
+/// Returns a pose as a URDF has it.
+pub(crate) fn origin(pose: &Isometry3<f64>) -> urdf_rs::Pose {
+    let (roll, pitch, yaw) = pose.rotation.euler_angles();
+    let rounded = |number: f64| (number * KEPT).round() / KEPT;
+    let xyz = <[f64; 3]>::from(pose.translation.vector).map(rounded);
+    urdf_rs::Pose { xyz: urdf_rs::Vec3(xyz), rpy: urdf_rs::Vec3([roll, pitch, yaw].map(rounded)) }
 }
 
 /// Returns the mass properties of a link, or `None` for a frame without mass.

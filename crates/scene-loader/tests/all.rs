@@ -3,5 +3,6 @@
 mod documented;
 mod equipment;
 mod of_others;
+mod robots_of_sdf;
 mod suiting;
 mod visuals;

@@ -289,7 +289,16 @@ fn a_laser_has_as_many_beams_as_its_file_says() {
 /// Makes a map of a file in a folder.
 fn map(folder: &TempDir, file: &str, models: &[PathBuf]) -> Result<ImportedMap, String> {
     let file = &folder.path().join(file);
-    let import = MapImport { file, scale: 1.0, materials: &[], floor: false, models, within: None, is_strict: false };
+    let import = MapImport {
+        file,
+        scale: 1.0,
+        materials: &[],
+        floor: false,
+        models,
+        without: &[],
+        within: None,
+        is_strict: false,
+    };
     import_map(&import).map_err(|error| error.to_string())
 }
 
@@ -339,8 +348,16 @@ fn what_every_gazebo_has_is_known_and_what_is_missing_is_a_note() {
         assert!(notes.contains(word), "{word} is not in {notes}");
     }
     let file = &folder.path().join("w.world");
-    let import =
-        MapImport { file, scale: 1.0, materials: &[], floor: false, models: &[], within: None, is_strict: true };
+    let import = MapImport {
+        file,
+        scale: 1.0,
+        materials: &[],
+        floor: false,
+        models: &[],
+        without: &[],
+        within: None,
+        is_strict: true,
+    };
     let error = import_map(&import).expect_err("it is strict").to_string();
     assert!(error.contains("`model://nobody` is not there"), "{error}");
 }

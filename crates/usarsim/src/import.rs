@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use names::count;
 use scene::{MountedWheel, RobotDef, Steering};
-use scene_loader::{Content, Import, Imported, LoadError, Packages, WheelDrive};
+use scene_loader::{Content, Import, Imported, LoadError, Packages, SdfFile, WheelDrive};
 use serde_json::json;
 
+use crate::import_map::folders_of_models;
 use crate::output::{failed, fill_new_folder};
 use crate::{Failure, exit, print};
 
@@ -17,11 +18,12 @@ use crate::{Failure, exit, print};
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  usarsim import husky_description/urdf/husky.urdf.xacro --class Husky\n  \
     usarsim import ur_description/urdf/ur.urdf.xacro ur_type:=ur5 name:=ur --class UR5\n  \
+    usarsim import diff_drive.sdf --model vehicle_blue --class Blue\n  \
     usarsim check Husky && usarsim serve --robot Husky\n\nMakes the folder NAME here, which must not exist, with robot.toml, \
     robot.urdf and meshes. Says what was guessed, replaced and left out. Packages are searched around FILE, in ROS_PACKAGE_PATH and in \
     AMENT_PREFIX_PATH. A xacro file is a program: expand only those that you trust.")]
 pub(crate) struct Arguments {
-    /// URDF or xacro file. Xacro needs Python's `xacro` (`pip install xacro`).
+    /// URDF or xacro file, or a model or world of SDF. Xacro needs Python's `xacro` (`pip install xacro`).
     file: PathBuf,
     /// Arguments of the xacro file.
     #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
@@ -32,6 +34,12 @@ pub(crate) struct Arguments {
     /// Folder of a package that is not found. May be given several times.
     #[arg(long = "package", value_name = "NAME=FOLDER", value_parser = package)]
     packages: Vec<(String, PathBuf)>,
+    /// Model in a file of SDF, if it has several robots.
+    #[arg(long, value_name = "NAME")]
+    model: Option<String>,
+    /// Folder with models of Gazebo that a file of SDF includes. May be given several times. They are looked for as by `import-map`.
+    #[arg(long, value_name = "DIR")]
+    models: Vec<PathBuf>,
     /// Joints of the driven wheels, if the guess is wrong: names with commas between them.
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     wheels: Vec<String>,
@@ -74,9 +82,23 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let bad = |error: LoadError| Failure::new(exit::BAD_DATA, error);
     let mut text = scene_loader::xml_text(file).map_err(bad)?;
-    let packages = Packages::around(file, &arguments.packages, &searched_folders()).map_err(bad)?;
-    let mut missing = Vec::new();
-    if xacro::is_needed(file, &text) {
+    let mut packages = Packages::around(file, &arguments.packages, &searched_folders()).map_err(bad)?;
+    let (mut missing, mut wheels, mut left_out) = (Vec::new(), arguments.wheels.clone(), Vec::new());
+    // Parts of meshes lie in it until they are copied.
+    let work = tempfile::tempdir().map_err(|error| failed(Path::new("temporary folder"), error))?;
+    if scene_loader::is_sdf(&text) {
+        let models = &folders_of_models(&arguments.models);
+        let sdf = SdfFile { file, models, within: None, work: work.path() };
+        let robot = scene_loader::sdf_robot(&sdf, arguments.model.as_deref()).map_err(bad)?;
+        robot.folders.into_iter().chain([work.path().to_owned()]).for_each(|folder| packages.allow(folder));
+        (text, left_out) = (robot.text, robot.left_out);
+        if wheels.is_empty() {
+            wheels = robot.wheels;
+        }
+    } else if let Some(model) = &arguments.model {
+        let message = format_args!("--model {model}: {} is no SDF: expected one with models", file.display());
+        return Err(Failure::new(exit::USAGE, message));
+    } else if xacro::is_needed(file, &text) {
         let source = text;
         (text, missing) = xacro::expand(file, &arguments.arguments, packages.folders())?;
         if let Some(why) = xacro::only_macros(file, &source, &text) {
@@ -86,9 +108,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let message = format_args!("{argument}: {} is a URDF: expected arguments of a xacro file only", file.display());
         return Err(Failure::new(exit::USAGE, message));
     }
-    let (wheels, drive) = (&arguments.wheels, arguments.drive.map(WheelDrive::from));
-    let import = Import { file, text: &text, class, packages: &packages, wheels, drive };
+    let drive = arguments.drive.map(WheelDrive::from);
+    let import = Import { file, text: &text, class, packages: &packages, wheels: &wheels, drive };
     let mut imported = scene_loader::import(&import).map_err(bad)?;
+    imported.left_out.extend(left_out);
     let unfound = |name: &String| {
         format!(
             "package `{name}` is not found, so its files are not included: name its folder by --package {name}=FOLDER"

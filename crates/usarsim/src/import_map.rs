@@ -44,6 +44,9 @@ pub(crate) struct Arguments {
     /// GZ_SIM_RESOURCE_PATH, GAZEBO_MODEL_PATH and the like, and in Gazebo's own folders in the home folder.
     #[arg(long, value_name = "DIR")]
     models: Vec<PathBuf>,
+    /// Model of SDF to leave out, as a robot that `import` makes. May be given several times.
+    #[arg(long, value_name = "NAME")]
+    without: Vec<String>,
     /// Refuse the file if a model or mesh is not there. By default it is left out, and listed.
     #[arg(long)]
     strict: bool,
@@ -66,7 +69,7 @@ const OF_CLASSIC: &str = ".gazebo/models";
 const OF_FUEL: [&str; 2] = [".gz/fuel/fuel.gazebosim.org", ".ignition/fuel/fuel.ignitionrobotics.org"];
 
 /// Lists the folders in which models are looked for: the named ones, those of variables, and Gazebo's own.
-fn folders_of_models(named: &[PathBuf]) -> Vec<PathBuf> {
+pub(crate) fn folders_of_models(named: &[PathBuf]) -> Vec<PathBuf> {
     let of_variable =
         |name: &&str| std::env::var_os(name).map(|paths| std::env::split_paths(&paths).collect::<Vec<_>>());
     let of_variables =
@@ -111,7 +114,7 @@ fn scale(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { file, name, material, scale, floor, models, strict, json } = arguments;
+    let Arguments { file, name, material, scale, floor, models, without, strict, json } = arguments;
     let models = folders_of_models(models);
     let import = MapImport {
         file,
@@ -119,6 +122,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         materials: material,
         floor: *floor,
         models: &models,
+        without,
         within: None,
         is_strict: *strict,
     };

@@ -98,6 +98,34 @@ fn a_robot_that_is_brought_drives_and_a_log_of_it_replays() {
     assert!(replay.status.success() && said.contains("replayed with the same bits"), "{said}");
 }
 
+/// A cart of SDF, whose body is a mesh of its folder.
+const SDF: &str = "<sdf version='1.9'><model name='rover'><link name='base'><pose>0 0 0.1 0 0 0</pose><inertial><mass>8</mass></inertial>\
+    <collision name='c'><geometry><mesh><uri>model://rover/meshes/body.obj</uri></mesh></geometry></collision></link>\
+    <link name='l'><pose>0 0.3 0.1 -1.5708 0 0</pose><collision name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry></collision></link>\
+    <link name='r'><pose>0 -0.3 0.1 -1.5708 0 0</pose><collision name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry></collision></link>\
+    <joint name='lw' type='continuous'><parent>base</parent><child>l</child><axis><xyz>0 0 1</xyz></axis></joint>\
+    <joint name='rw' type='continuous'><parent>base</parent><child>r</child><axis><xyz>0 0 1</xyz></axis></joint></model></sdf>";
+
+#[test]
+fn a_model_of_gazebo_is_a_robot_and_a_world_a_map() {
+    let server = Serving::start(&["--http", "0", "--map", "smooth"]);
+    let body = "v 0 0 0\nv 0.3 0 0\nv 0 0.3 0\nv 0 0 0.3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    let elsewhere = SDF.replace("model://rover/meshes/body.obj", "file:///etc/hostname");
+    let folder =
+        |text: &'static str| [("rover/model.sdf", text.as_bytes()), ("rover/meshes/body.obj", body.as_bytes())];
+    let (status, answer) = open(&server, "", "", &folder(SDF));
+    assert!(status == 200 && answer.contains("\"robot\":\"rover\""), "{status} {answer}");
+    assert!(answer.contains("skid, 10.0 kg") && !answer.contains("is not there"), "{answer}");
+    let (status, answer) = open(&server, "", "", &[("rover.sdf", elsewhere.as_bytes())]);
+    assert!(status == 200 && answer.contains("`file:///etc/hostname` is not there"), "{status} {answer}");
+    let in_world = world(SDF.trim_start_matches("<sdf version='1.9'>").trim_end_matches("</sdf>"));
+    let (status, answer) = open(&server, "", "", &[("field.world", in_world.as_bytes())]);
+    assert!(
+        status == 200 && answer.contains("\"map\":\"field\"") && answer.contains("--model rover"),
+        "{status} {answer}"
+    );
+}
+
 #[test]
 fn files_of_strangers_lead_nowhere_outside_of_their_folder() {
     let secret = tempfile::tempdir().expect("a folder");

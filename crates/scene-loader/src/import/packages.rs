@@ -29,6 +29,8 @@ pub struct Packages {
     beside: PathBuf,
     /// Folder that relative paths cannot leave: the file's package, or else the folder of the file, or of its `urdf`.
     own: PathBuf,
+    /// Folders from which files with whole paths may come, too.
+    allowed: Vec<PathBuf>,
     /// Files of a closed folder by their names in lower case, for references whose folders are not there; none if two have the name.
     loose: Option<BTreeMap<String, Option<PathBuf>>>,
 }
@@ -63,7 +65,7 @@ impl Packages {
         let is_of_urdfs = beside.file_name().is_some_and(|name| URDF_FOLDERS.iter().any(|known| name == *known));
         let above = beside.parent().filter(|_| is_of_urdfs).unwrap_or(&beside);
         let own = own.unwrap_or(above).to_owned();
-        Ok(Self { folders: search.folders, beside, own, loose: None })
+        Ok(Self { folders: search.folders, beside, own, allowed: Vec::new(), loose: None })
     }
 
     /// Finds the packages in a folder, and looks at nothing outside of it. The folders in it are packages, too, and a file whose folder is not
@@ -99,7 +101,12 @@ impl Packages {
             }
         }
         let beside = file.parent().map(Path::to_owned).unwrap_or_default();
-        Ok(Self { folders: search.folders, beside, own: root, loose: Some(loose) })
+        Ok(Self { folders: search.folders, beside, own: root, allowed: Vec::new(), loose: Some(loose) })
+    }
+
+    /// Allows the files of a folder.
+    pub fn allow(&mut self, folder: PathBuf) {
+        self.allowed.push(normalized(&folder));
     }
 
     /// Returns the packages with their folders.
@@ -128,7 +135,7 @@ impl Packages {
             (vec![folder], folder.join(path.trim_start_matches('/')))
         } else {
             let path = reference.strip_prefix("file://").unwrap_or(reference);
-            (self.folders.values().chain([&self.own]).collect(), self.beside.join(path))
+            (self.folders.values().chain([&self.own]).chain(&self.allowed).collect(), self.beside.join(path))
         };
         let path = normalized(&path);
         if !bases.iter().any(|base| path.starts_with(base)) {

@@ -2,21 +2,21 @@
 //!
 //! Shapes, poses, frames and surfaces are those of the file. Each kind of thing that is not followed is one note with a count.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::Node;
 use scene::check::MAX_SOLIDS;
 use scene::{Geographic, Pose, Shape};
 
-use super::{Budget, FoundObject, Geometry, Touch, solids};
+use super::{Budget, FoundObject, Geometry, MapImport, Touch};
 use crate::LoadError;
 use crate::map::height_field;
 use crate::mesh::{self, Piece};
 use crate::problem::Problems;
 use crate::sdf::frames::{self, FrameError, Frames};
 use crate::sdf::models::{Models, WellKnown, well_known};
-use crate::sdf::{child, children, is_true, number_of, numbers, text_of};
+use crate::sdf::{ROOTS, child, children, is_true, number_of, numbers, solids, submesh, text_of};
 use crate::source::{MAX_MESH, MAX_TEXT, Source};
 use crate::urdf::z_down;
 use crate::xml;
@@ -74,18 +74,20 @@ pub(super) struct Found {
     pub(super) origin: Option<Geographic>,
 }
 
-/// Reads the objects of a file. With `is_strict` a model or mesh that is not there is a problem; otherwise it is left out.
+/// Reads the objects of a file. A strict import has a problem where a model or mesh is not there; otherwise it is left out.
 pub(super) fn read(
     source: &Source,
     file: &str,
     models: Models,
-    is_strict: bool,
+    import: &MapImport,
     problems: &mut Problems,
 ) -> Result<Found, LoadError> {
     let mut reader = Reader {
         problems,
         models,
-        is_strict,
+        is_strict: import.is_strict,
+        without: import.without,
+        met: BTreeSet::new(),
         found: Found::default(),
         notes: BTreeMap::new(),
         missing: BTreeMap::new(),
@@ -95,7 +97,10 @@ pub(super) fn read(
         included: 0,
     };
     reader.file(source, file, &Included::default(), 0)?;
-    let Reader { mut found, notes, missing, robots, .. } = reader;
+    let Reader { mut found, notes, missing, robots, met, .. } = reader;
+    if let Some(name) = import.without.iter().find(|name| !met.contains(*name)) {
+        return Err(LoadError::Import(format!("{}: no model `{name}` to leave out", source.display(file))));
+    }
     if !missing.is_empty() {
         let listed: Vec<String> = missing.iter().map(|(uri, count)| counted(&format!("`{uri}`"), *count)).collect();
         let hint = "name their folders by --models, GZ_SIM_RESOURCE_PATH or GAZEBO_MODEL_PATH";
@@ -103,7 +108,10 @@ pub(super) fn read(
     }
     if !robots.is_empty() {
         let names = shortened(&robots);
-        found.notes.push(format!("models with joints stand fast, as robots are imported from URDF alone: {names}"));
+        let one = &robots[0];
+        found.notes.push(format!(
+            "models with joints stand fast: {names}: `usarsim import {file} --model {one} --class ..` makes a robot of one, and --without {one} leaves it out here"
+        ));
     }
     found.notes.extend(notes.into_iter().map(|(what, count)| counted(&what, count)));
     Ok(found)
@@ -125,6 +133,9 @@ struct Reader<'p> {
     problems: &'p mut Problems,
     models: Models<'p>,
     is_strict: bool,
+    /// Names of models to leave out, and those that were met.
+    without: &'p [String],
+    met: BTreeSet<String>,
     found: Found,
     /// Counts of what is left out or changed.
     notes: BTreeMap<String, usize>,
@@ -168,8 +179,7 @@ impl Reader<'_> {
         let unreadable = |reason: String| LoadError::Unreadable { file: shown.clone(), reason };
         let document = xml::parse(&text, MAX_NODES).map_err(|error| unreadable(error.to_string()))?;
         let root = document.root_element();
-        // Files of Gazebo's first years.
-        if !["sdf", "gazebo"].contains(&root.tag_name().name()) {
+        if !ROOTS.contains(&root.tag_name().name()) {
             return Err(unreadable(format!("<{}>: expected <sdf>", root.tag_name().name())));
         }
         let place = Place { source, shown: &shown, text: &text, depth };
@@ -312,6 +322,10 @@ impl Reader<'_> {
     ) -> Result<(), LoadError> {
         let own_name = node.attribute("name").unwrap_or("model");
         let name = included.name.clone().unwrap_or_else(|| format!("{prefix}{own_name}"));
+        if self.without.contains(&name) {
+            self.met.insert(name);
+            return Ok(());
+        }
         let frames = Frames::of(node);
         let saved = poses.get(own_name).copied();
         let pose = match included.pose.or(saved) {
@@ -517,8 +531,8 @@ impl Reader<'_> {
             return None;
         }
         let pieces = mesh::named_pieces(&source, &file).and_then(|pieces| self.triangles.add(&pieces).map(|()| pieces));
-        let mut pieces = match pieces {
-            Ok(pieces) => pieces,
+        let mut piece = match pieces.and_then(|pieces| submesh(pieces, geometry)) {
+            Ok(piece) => piece,
             Err(reason) if self.is_strict => {
                 self.problem(place, geometry, reason);
                 return None;
@@ -528,26 +542,6 @@ impl Reader<'_> {
                 return None;
             }
         };
-        let submesh = child(geometry, "submesh");
-        if let Some(name) = submesh.map(|node| text_of(node, "name")).filter(|name| !name.is_empty()) {
-            pieces.retain(|piece| piece.name.as_deref() == Some(name));
-            if pieces.is_empty() {
-                self.note(format!("mesh `{uri}` has no part `{name}`: left out"));
-                return None;
-            }
-        }
-        let mut piece = mesh::joined(pieces);
-        if submesh.is_some_and(|node| is_true(text_of(node, "center"))) {
-            let ends = |axis: usize| {
-                let all = piece.vertices.iter().map(|vertex| vertex[axis]);
-                all.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
-            };
-            let middle = [0, 1, 2].map(ends).map(|[low, high]| (low + high) / 2.0);
-            piece
-                .vertices
-                .iter_mut()
-                .for_each(|vertex| *vertex = std::array::from_fn(|axis| vertex[axis] - middle[axis]));
-        }
         let scaled = |vertex: [f32; 3]| std::array::from_fn(|axis| (f64::from(vertex[axis]) * scale[axis]) as f32);
         piece.vertices.iter_mut().for_each(|vertex| *vertex = scaled(*vertex));
         Some(piece)

@@ -118,11 +118,17 @@ pub(crate) struct OfUrdf<'a> {
 /// Guesses a robot. One whose wheels roll along another axis than x is turned, so that it drives along its x.
 pub(crate) fn read(of: &OfUrdf, problems: &mut Problems) -> Option<Guessed> {
     let (guessed, yaw) = guess(of, problems)?;
-    let turned = yaw.and_then(|yaw| {
+    let turned = |yaw: f64| {
         let text = &urdf::turned(of.text, yaw)?;
         let mut wrong = Problems::default();
         let (guessed, _) = guess(&OfUrdf { text, ..*of }, &mut wrong)?;
         (wrong.count() == 0 && stands_on_wheels(&guessed.robot)).then_some((guessed, yaw))
+    };
+    // A car that has to be turned anyway steers in front.
+    let turned = yaw.and_then(|yaw| {
+        let first = turned(yaw)?;
+        let is_backward = steers_behind(&first.0.robot);
+        is_backward.then(|| turned(yaw - yaw.signum() * std::f64::consts::PI)).flatten().or(Some(first))
     });
     let Some((mut guessed, yaw)) = turned else { return Some(guessed) };
     let degrees = -yaw.to_degrees();
@@ -131,6 +137,15 @@ pub(crate) fn read(of: &OfUrdf, problems: &mut Problems) -> Option<Guessed> {
     guessed.robot.assumptions.insert(0, turned);
     guessed.changes.push(Change::Turn(yaw));
     Some(guessed)
+}
+
+/// Number of the rear axle.
+const REAR: usize = 1;
+
+/// True for a car that only steers behind.
+fn steers_behind(robot: &RobotDef) -> bool {
+    let mut axles = robot.links.iter().filter_map(Link::steered_axle).peekable();
+    axles.peek().is_some() && axles.all(|axle| axle == REAR)
 }
 
 /// True if the wheels that drive a robot are the lowest of it: the motors of an arm are none.

@@ -28,6 +28,8 @@ pub(crate) enum FrameError {
 /// The frames of a world or a model.
 pub(crate) struct Frames<'a, 'i> {
     nodes: BTreeMap<String, Node<'a, 'i>>,
+    /// Name of the world or model itself.
+    own: Option<&'a str>,
     /// Lookups inside of other models so far.
     inside: Cell<usize>,
 }
@@ -37,7 +39,8 @@ impl<'a, 'i> Frames<'a, 'i> {
     pub(crate) fn of(scope: Node<'a, 'i>) -> Self {
         let kinds = ["link", "joint", "model", "frame", "include"];
         let nodes = scope.children().filter(|node| kinds.contains(&node.tag_name().name()));
-        Self { nodes: nodes.filter_map(|node| Some((name_of(node)?, node))).collect(), inside: Cell::new(0) }
+        let nodes = nodes.filter_map(|node| Some((name_of(node)?, node))).collect();
+        Self { nodes, own: scope.attribute("name"), inside: Cell::new(0) }
     }
 
     /// Returns the pose of an element in its world or model.
@@ -82,6 +85,10 @@ impl<'a, 'i> Frames<'a, 'i> {
         if let Some(node) = self.nodes.get(name) {
             return self.pose_within(*node, depth);
         }
+        // Gazebo's own examples name a model from inside.
+        if self.own == Some(name) {
+            return Ok(Isometry3::identity());
+        }
         let unknown = || FrameError::Unknown(name.to_owned());
         let (model, rest) = name.split_once("::").ok_or_else(unknown)?;
         let node = self.nodes.get(model).filter(|node| node.has_tag_name("model")).ok_or_else(unknown)?;
@@ -103,7 +110,7 @@ fn name_of(node: Node) -> Option<String> {
 }
 
 /// Returns the frame that an element's pose is relative to, if it says one. Before SDF 1.7 the attribute was `frame`.
-fn relative<'a>(node: Node<'a, '_>) -> Option<&'a str> {
+pub(crate) fn relative<'a>(node: Node<'a, '_>) -> Option<&'a str> {
     let pose = node.children().find(|it| it.has_tag_name("pose"))?;
     pose.attribute("relative_to").or(pose.attribute("frame")).filter(|frame| !frame.is_empty())
 }

@@ -16,7 +16,8 @@ const MAX_LINKS: usize = 1000;
 /// Least length of an axis. A shorter one is a mistake, and squares of smaller numbers are lost.
 const LEAST_AXIS: f64 = 1e-9;
 
-const JOINT_TYPES: [&str; 6] = ["fixed", "continuous", "revolute", "prismatic", "floating", "planar"];
+/// Types of joints. `spherical` is none of ROS, but of other readers, as PyBullet's.
+const JOINT_TYPES: [&str; 7] = ["fixed", "continuous", "revolute", "prismatic", "floating", "planar", "spherical"];
 
 pub(super) struct Check<'a> {
     pub(super) file: &'a str,

@@ -203,6 +203,7 @@ fn numbers(text: &str, count: usize) -> Option<String> {
     (words.len() >= count && words.iter().all(is_good)).then(|| words[..count].join(" "))
 }
 
-fn escaped(text: &str) -> String {
+/// Returns a text as the value of an attribute.
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

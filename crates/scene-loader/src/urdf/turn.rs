@@ -3,10 +3,7 @@
 use nalgebra::{Isometry3, Vector3};
 use urdf_rs::Robot;
 
-use super::isometry;
-
-/// Digits that are kept of a turned pose: beyond these is only the rounding of a right angle.
-const KEPT: f64 = 1e12;
+use super::{isometry, origin};
 
 /// Turns a robot about the vertical through its root, rad, counterclockwise from above.
 pub(crate) fn turn(robot: &mut Robot, yaw: f64) {
@@ -14,11 +11,7 @@ pub(crate) fn turn(robot: &mut Robot, yaw: f64) {
     let Some(root) = robot.links.iter().position(|link| !is_child(&link.name)) else { return };
     let rotation = Isometry3::rotation(Vector3::z() * yaw);
     let turned = |pose: &mut urdf_rs::Pose| {
-        let made = rotation * isometry(pose);
-        let (roll, pitch, yaw) = made.rotation.euler_angles();
-        let rounded = |number: f64| (number * KEPT).round() / KEPT;
-        pose.xyz = urdf_rs::Vec3(<[f64; 3]>::from(made.translation.vector).map(rounded));
-        pose.rpy = urdf_rs::Vec3([roll, pitch, yaw].map(rounded));
+        *pose = origin(&(rotation * isometry(pose)));
     };
     let link = &mut robot.links[root];
     turned(&mut link.inertial.origin);

@@ -8,7 +8,7 @@ use gamebots_server::{NotOpened, Opened, Thing};
 #[cfg(feature = "ros2")]
 use scene::RobotDef;
 use scene::{DriveModel, MapDef};
-use scene_loader::{Import, Imported, MapImport, Packages};
+use scene_loader::{Import, Imported, MapImport, Packages, SdfFile};
 
 use crate::Failure;
 use crate::import::{self, xacro};
@@ -38,8 +38,10 @@ pub(super) fn open(
         Some(chosen) => folder.join(chosen),
         None => folder.join(only(&candidates(folder))?),
     };
+    std::fs::create_dir_all(work).map_err(|error| NotOpened::Bad(error.to_string()))?;
     let opened = match kind(&file) {
-        Some(Kind::Robot | Kind::Xacro) => robot(folder, &file, drive_model),
+        Some(Kind::Robot | Kind::Xacro) => robot(folder, work, &file, drive_model),
+        Some(Kind::World) if is_robot(folder, work, &file) => robot(folder, work, &file, drive_model),
         Some(Kind::World | Kind::Mesh) => map(folder, work, &file),
         None => Err(format!("{EXPECTED}, or a folder with one")),
     };
@@ -107,12 +109,20 @@ pub(super) fn robot_of_text(text: &str, drive_model: Option<DriveModel>) -> Resu
     std::fs::write(&file, text).map_err(|error| error.to_string())?;
     let packages = Packages::around(&file, &[], &import::searched_folders()).map_err(|error| error.to_string())?;
     let shown = |why: String| why.replace(&file.display().to_string(), "robot.urdf");
-    read(&file, &packages, drive_model).map(|imported| imported.robot).map_err(shown)
+    let sdf = SdfFile { file: &file, models: &[], within: None, work: folder.path() };
+    read(&sdf, packages, drive_model).map(|imported| imported.robot).map_err(shown)
 }
 
-fn robot(root: &Path, file: &Path, drive_model: Option<DriveModel>) -> Result<Opened, String> {
+/// True if a file of SDF is one model with joints that move: a world is a map, whatever is in it.
+fn is_robot(root: &Path, work: &Path, file: &Path) -> bool {
+    let sdf = SdfFile { file, models: &[], within: Some(root), work };
+    scene_loader::sdf_robots(&sdf).is_ok_and(|(robots, is_model)| is_model && !robots.is_empty())
+}
+
+fn robot(root: &Path, work: &Path, file: &Path, drive_model: Option<DriveModel>) -> Result<Opened, String> {
     let packages = Packages::inside(root, file).map_err(|error| error.to_string())?;
-    let imported = read(file, &packages, drive_model)?;
+    let sdf = SdfFile { file, models: &[], within: Some(root), work };
+    let imported = read(&sdf, packages, drive_model)?;
     let verdict = import::verdict(&imported).to_vec();
     let Imported { robot, guessed, replaced, left_out, .. } = imported;
     let notes = [("guessed", guessed), ("replaced", replaced), ("left out", left_out)];
@@ -121,18 +131,25 @@ fn robot(root: &Path, file: &Path, drive_model: Option<DriveModel>) -> Result<Op
     Ok(Opened { thing: Thing::Robot(Box::new(robot)), verdict, notes: notes.collect() })
 }
 
-/// Reads a robot from its URDF.
-fn read(file: &Path, packages: &Packages, drive_model: Option<DriveModel>) -> Result<Imported, String> {
-    let text = scene_loader::xml_text(file).map_err(|error| error.to_string())?;
-    if xacro::is_used(&text) {
+/// Reads a robot from its URDF or SDF.
+fn read(sdf: &SdfFile, mut packages: Packages, drive_model: Option<DriveModel>) -> Result<Imported, String> {
+    let file = sdf.file;
+    let mut text = scene_loader::xml_text(file).map_err(|error| error.to_string())?;
+    let (mut wheels, mut also_left_out) = (Vec::new(), Vec::new());
+    if scene_loader::is_sdf(&text) {
+        let robot = scene_loader::sdf_robot(sdf, None).map_err(|error| error.to_string())?;
+        packages.allow(sdf.work.to_owned());
+        (text, wheels, also_left_out) = (robot.text, robot.wheels, robot.left_out);
+    } else if xacro::is_used(&text) {
         let name = file.file_name().unwrap_or_default().display().to_string();
         return Err(format!(
             "{name} is a program of xacro, which no server runs for a page: drop what `xacro {name}` prints"
         ));
     }
     let class = &scene_loader::urdf_name(&text).and_then(|name| plain(&name)).unwrap_or_else(|| name_of(file, "Robot"));
-    let import = Import { file, text: &text, class, packages, wheels: &[], drive: None };
+    let import = Import { file, text: &text, class, packages: &packages, wheels: &wheels, drive: None };
     let mut imported = scene_loader::import(&import).map_err(|error| error.to_string())?;
+    imported.left_out.extend(also_left_out);
     if drive_model.is_some() {
         imported.robot.set_drive_model(drive_model);
     }
@@ -141,8 +158,16 @@ fn read(file: &Path, packages: &Packages, drive_model: Option<DriveModel>) -> Re
 
 fn map(root: &Path, work: &Path, file: &Path) -> Result<Opened, String> {
     let name = &name_of(file, "dropped");
-    let import =
-        MapImport { file, scale: 1.0, materials: &[], floor: false, models: &[], within: Some(root), is_strict: false };
+    let import = MapImport {
+        file,
+        scale: 1.0,
+        materials: &[],
+        floor: false,
+        models: &[],
+        without: &[],
+        within: Some(root),
+        is_strict: false,
+    };
     let folder: &PathBuf = &work.join(name);
     std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
     let map = scene_loader::import_map(&import).map_err(|error| error.to_string())?;

@@ -8,7 +8,7 @@ const AROUND: u32 = 24;
 const RINGS: u32 = 12;
 
 /// Returns a cylinder between two half balls; `length` is the cylinder's.
-pub(super) fn capsule(radius: f64, length: f64) -> Piece {
+pub(crate) fn capsule(radius: f64, length: f64) -> Piece {
     turned((0..=2 * RINGS + 1).map(|ring| {
         // The ring at the equator is there twice: at both ends of the cylinder.
         let (part, end) = if ring <= RINGS { (ring, -0.5) } else { (ring - 1, 0.5) };
@@ -18,12 +18,12 @@ pub(super) fn capsule(radius: f64, length: f64) -> Piece {
 }
 
 /// Returns a cone with its tip up, with its middle at half its length.
-pub(super) fn cone(radius: f64, length: f64) -> Piece {
+pub(crate) fn cone(radius: f64, length: f64) -> Piece {
     turned([[0.0, -length / 2.0], [radius, -length / 2.0], [0.0, length / 2.0]].into_iter())
 }
 
 /// Returns an ellipsoid of three radii.
-pub(super) fn ellipsoid(radii: [f64; 3]) -> Piece {
+pub(crate) fn ellipsoid(radii: [f64; 3]) -> Piece {
     let mut ball = turned((0..=2 * RINGS).map(|ring| {
         let angle = std::f64::consts::PI * (f64::from(ring) / f64::from(2 * RINGS) - 0.5);
         [angle.cos(), angle.sin()]
@@ -35,7 +35,7 @@ pub(super) fn ellipsoid(radii: [f64; 3]) -> Piece {
 }
 
 /// Returns ground of a size along x and y, around its middle. The first row of heights is at its left end, +y, and goes towards +x.
-pub(super) fn ground(Rows { columns, heights }: &Rows, size: [f64; 2]) -> Piece {
+pub(crate) fn ground(Rows { columns, heights }: &Rows, size: [f64; 2]) -> Piece {
     let rows = heights.len() / columns;
     let part = |number: usize, count: usize| number as f64 / (count.max(2) - 1) as f64 - 0.5;
     let vertex = |(number, height): (usize, &f64)| {
@@ -88,7 +88,7 @@ fn turned(outline: impl Iterator<Item = [f64; 2]>) -> Piece {
 const MOST_CORNERS: usize = 100;
 
 /// Returns a prism over a simple polygon, from z = 0 up; `None` if the polygon crosses itself or has no area.
-pub(super) fn prism(polygon: &[[f64; 2]], height: f64) -> Option<Piece> {
+pub(crate) fn prism(polygon: &[[f64; 2]], height: f64) -> Option<Piece> {
     let mut corners = polygon.to_vec();
     if corners.first() == corners.last() {
         corners.pop();
