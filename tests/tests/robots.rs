@@ -13,7 +13,7 @@ const ASKED_FOR: &str = "P3AT P2AT AirRobot P2DX Kenaf ComStation Zerg Nao ARDro
      KUKA_YouBot pioneer3at_with_sensors pioneer3at_with_sensors_b pioneer2dx_with_sensors pioneer2dx_with_sensors_g turtlebot_with_sensors \
      turtlebot_with_sensors_r Crawler_Robot crawler_robot crawler_robot_y Rugbot Hummer ATRVJr ATRV ATRV2 Matilda Soryu Cooper KR3 KR5 \
      FanucM16 Forklift GripperBase CasterSkidRobot KURT2D P2AT_ATLANTA TarantulaSIED FrontAckerman HandBot KUKA_LWR_BOT StaticPlatform \
-     YouBot YouBotArm SoccerRobot Element QRIO";
+     YouBot YouBotArm SoccerRobot Element QRIO OmniP2AT OmniP2DX Kurt3D";
 /// Steps of 8 ms: contacts converge in each.
 const STEP: f64 = 0.008;
 /// Part of a joint's range that it has to reach.

@@ -709,7 +709,7 @@ fn the_list_of_robots_is_by_family_and_folds_colours() {
     .collect();
     assert!(places.is_sorted(), "{list}");
     assert!(list.contains("; also with _b _g _r _y\n") && !list.contains("_sensors_b "), "{list}");
-    assert!(list.contains("; also P2AT_ATLANTA\n"), "{list}");
+    assert!(list.contains("; also OmniP2AT, P2AT_ATLANTA\n"), "{list}");
 }
 
 #[test]
