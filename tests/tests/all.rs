@@ -37,6 +37,7 @@ mod programs;
 mod robots;
 mod robots_together;
 mod rollers;
+mod rolling;
 mod rosbridge;
 mod scenes;
 mod sensing;

@@ -217,7 +217,7 @@ fn a_robot_with_steered_wheels_drives_a_circle() {
         )
     };
     let cart = CART.split("[[joint]]").next().expect("a cart").replace("-0.25, 0.0]", "-0.1, 0.0]");
-    let cart = cart.replace("0.25, 0.0]", "0.1, 0.0]").replace("gain = 50.0", "gain = 0.5");
+    let cart = cart.replace("0.25, 0.0]", "0.1, 0.0]").replace("gain = 50.0", "gain = 1.0");
     let cart = ["FL", "FR"].iter().fold(cart, |cart, name| {
         cart.replace(&format!("name = \"{name}\""), &format!("name = \"{name}\"\nlink = \"{name}Steer\""))
     });

@@ -247,6 +247,20 @@ impl Body {
         }
     }
 
+    /// Applies a torque, N m, to a link in the coming step. A belt feels the part about the axle of its sprocket.
+    pub fn twist(&mut self, link: usize, torque: Vector3<f64>) {
+        let Self { tree, axes, force: sum, frames, .. } = self;
+        let Some(tip) = tree.tip(link) else { return };
+        let of_root = tree.dofs_of_free_root();
+        sum[..of_root].iter_mut().zip(root::twist(&torque, &Vector3::zeros())).for_each(|(sum, part)| *sum += part);
+        for &dof in &tree.chain(tip)[of_root..] {
+            sum[dof] += axes[dof].angular.dot(&torque);
+        }
+        if let Link { joint: Joint::Belt { axis, .. }, parent, .. } = &tree.links()[link] {
+            sum[tree.dof_of(link)] += (frames[*parent].rotation * axis).dot(&torque);
+        }
+    }
+
     /// Computes the kinetic energy, J.
     pub fn kinetic_energy(&self) -> f64 {
         let of_link = |(link, frame): (&crate::Link, &Frame)| {

@@ -2,7 +2,7 @@
 
 use kinematics::{FiniteRollers, Mecanum, Skid, Twist};
 use nalgebra::Matrix2;
-use scene::{Drivetrain, Material, MountedWheel, RobotDef, Side};
+use scene::{Drivetrain, MountedWheel, RobotDef, Side};
 
 use crate::mecanum;
 use crate::sliding::{self, Place};
@@ -125,18 +125,6 @@ impl Base {
         car.wheel_base = wheel_base;
         car.driven.iter_mut().for_each(|[.., own]| *own = radius);
         Self::Car(car)
-    }
-
-    /// Returns the kinematics on a floor of a material, whose rolling resistance wheels that slide feel.
-    #[must_use]
-    pub fn on(self, robot: &RobotDef, floor: &Material) -> Self {
-        match self {
-            Self::Sliding(Sliding { places, sides, ideal }) => {
-                let places = places.into_iter().map(|place| place.on(robot, floor)).collect();
-                Self::Sliding(Sliding { places, sides, ideal })
-            }
-            other => other,
-        }
     }
 
     /// Returns the displacement of the base, m and rad clockwise, while its driven wheels turn by `turned` to `angles`, rad. `steer` is the

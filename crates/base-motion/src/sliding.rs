@@ -3,7 +3,7 @@
 use kinematics::Twist;
 use kinematics::coulomb::{Contact, quasi_static};
 use nalgebra::{Matrix3, Vector3};
-use scene::{Belt, Disc, Material, MountedWheel, RobotDef};
+use scene::{Belt, Disc, MountedWheel, RobotDef};
 
 /// A contact of a wheel or a track with the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,20 +15,6 @@ pub(crate) struct Place {
     radius: f64,
     /// The contact's share of the weight.
     share: f64,
-    /// Rolling resistance over friction.
-    resistance: f64,
-}
-
-impl Place {
-    /// Returns the contact on a floor of a material.
-    pub(crate) fn on(self, robot: &RobotDef, floor: &Material) -> Self {
-        let material = robot.driven().nth(self.wheel).map(|wheel| &wheel.wheel.material);
-        let resistance = material.map_or(0.0, |material| {
-            let (friction, _) = material.pair(floor);
-            (material.rolling_resistance + floor.rolling_resistance) / friction.max(1e-6)
-        });
-        Self { resistance, ..self }
-    }
 }
 
 /// Height above the lowest wheel from which a wheel does not touch a level floor, m.
@@ -57,7 +43,6 @@ pub(crate) fn places(robot: &RobotDef) -> Vec<Place> {
             wheel,
             radius,
             share: contact.part * row(contact.position).dot(&factors).max(0.0),
-            resistance: 0.0,
         })
     };
     robot.driven().enumerate().flat_map(place).collect()
@@ -95,18 +80,12 @@ fn supports(wheel: &MountedWheel, height: f64) -> Vec<Support> {
 }
 
 /// Returns the robot's displacement, in m and rad clockwise, while its driven wheels turn by the angles `turned`, rad. Coulomb friction
-/// does not depend on the magnitude of the speed, so angles can replace speeds.
+/// does not depend on the magnitude of the speed, so angles can replace speeds. Rolling resistance is a moment on a wheel, which has no part in it.
 pub(crate) fn twist(places: &[Place], turned: &[f64]) -> Twist {
-    let mut contacts = Vec::with_capacity(places.len());
-    for place in places {
-        let Place { position, share, resistance, .. } = *place;
-        let rolled = place.radius * turned.get(place.wheel).copied().unwrap_or(0.0);
-        contacts.push(Contact { position, rolling: [rolled, 0.0], friction: share, along: None });
-        if resistance > 0.0 {
-            // A force against the motion of the hub, which rolls only ahead.
-            let along = Some([1.0, 0.0]);
-            contacts.push(Contact { position, rolling: [0.0; 2], friction: share * resistance, along });
-        }
-    }
-    quasi_static(&contacts)
+    let contacts = places.iter().map(|place| {
+        let Place { position, wheel, radius, share } = *place;
+        let rolled = radius * turned.get(wheel).copied().unwrap_or(0.0);
+        Contact { position, rolling: [rolled, 0.0], friction: share, along: None }
+    });
+    quasi_static(&contacts.collect::<Vec<_>>())
 }

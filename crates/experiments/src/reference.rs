@@ -31,7 +31,7 @@ struct Wheel {
     radius: f64,
     /// Friction of the wheel on the floor; 0 for a caster, which turns about every axis.
     friction: f64,
-    /// Rolling resistance of the wheel on the floor.
+    /// Rolling resistance of a caster on the floor; that of a driven wheel is a moment, which its motor gives.
     resistance: f64,
     /// Number of its wheel among the driven ones; `None` for a caster.
     driven: Option<usize>,
@@ -66,7 +66,7 @@ impl Sliding {
                     rolling: [rolling.x, rolling.y],
                     radius: wheel.radius,
                     friction: if is_driven { wheel.material.pair(floor).0 } else { 0.0 },
-                    resistance: wheel.material.rolling_resistance + floor.rolling_resistance,
+                    resistance: if is_driven { 0.0 } else { wheel.material.pair_rolling_resistance(floor) },
                     driven: is_driven.then_some(count),
                     load: loads.get(self.wheels.len()).copied().unwrap_or_default(),
                 });
@@ -102,9 +102,9 @@ impl Sliding {
             let load = wheel.load / self.noted;
             let passing = rolling.map(|part| part * radius * speed);
             contacts.push(Contact { position, rolling: passing, friction: friction * load, along: None });
-            // Rolling resistance is a force against the motion of the hub. A driven wheel rolls only ahead.
-            let along = wheel.driven.map(|_| rolling);
-            contacts.push(Contact { position, rolling: [0.0; 2], friction: resistance * load, along });
+            if resistance > 0.0 {
+                contacts.push(Contact { position, rolling: [0.0; 2], friction: resistance * load, along: None });
+            }
         }
         coulomb::quasi_static(&contacts)
     }

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 use scene::sensor::{Config, kinect_depth};
-use scene::{JointKind, JointState, MapDef, Material, Pose, Reading, RobotDef, Sensed, Shape};
+use scene::{JointKind, JointState, MapDef, Pose, Reading, RobotDef, Sensed};
 
 pub use controller::{Controller, Limit, Wheels};
 pub use convert::{camera_info, from_pose, header, name, pose, stamp, vector};
@@ -80,8 +80,6 @@ pub struct Topics {
     is_localised: bool,
     /// Gravity, m/s².
     gravity: f64,
-    /// Material of the floor.
-    floor: Material,
     robots: BTreeMap<u64, Robot>,
     /// Last time on `/clock`.
     clock: Option<f64>,
@@ -111,7 +109,6 @@ impl Topics {
             spaces: Spaces::new(namespaces),
             is_localised,
             gravity: map.gravity,
-            floor: floor_of(map),
             robots: BTreeMap::new(),
             clock: None,
             transforms: Vec::new(),
@@ -121,11 +118,6 @@ impl Topics {
     /// True if a robot is known.
     pub fn has(&self, robot: u64) -> bool {
         self.robots.contains_key(&robot)
-    }
-
-    /// Returns the material of the map's floor.
-    pub fn floor(&self) -> &Material {
-        &self.floor
     }
 
     /// Returns the names of a robot.
@@ -206,7 +198,7 @@ impl Topics {
     ) -> Result<(), S::Error> {
         let Some(Robot { space, def, controller, odometer, .. }) = self.robots.get_mut(&robot) else { return Ok(()) };
         let controller = controller.as_ref();
-        let odometer = odometer.get_or_insert_with(|| Odometer::new(def, &self.floor, controller, state.pose));
+        let odometer = odometer.get_or_insert_with(|| Odometer::new(def, controller, state.pose));
         let moved = odometer.moved(time, state);
         let (odom, base) = (&space.odom, &space.base);
         if self.is_localised {
@@ -413,12 +405,6 @@ impl Topics {
             ) => Ok(()),
         }
     }
-}
-
-/// Returns the material of a map's floor: that of its half space, or else of its first solid.
-fn floor_of(map: &MapDef) -> Material {
-    let half_space = map.solids.iter().find(|solid| solid.shape == Shape::HalfSpace);
-    half_space.or(map.solids.first()).map(|solid| solid.material.clone()).unwrap_or_default()
 }
 
 /// True if one number places a link of such a joint, and it changes.

@@ -3,7 +3,7 @@
 use base_motion::{Base, Model};
 use kinematics::Twist;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
-use scene::{JointState, Material, Pose, RobotDef};
+use scene::{JointState, Pose, RobotDef};
 
 use crate::State;
 use crate::controller::Controller;
@@ -33,7 +33,7 @@ pub(crate) struct Moved {
 }
 
 impl Odometer {
-    pub(crate) fn new(def: &RobotDef, floor: &Material, controller: Option<&Controller>, start: Pose) -> Self {
+    pub(crate) fn new(def: &RobotDef, controller: Option<&Controller>, start: Pose) -> Self {
         let steering = def.links.iter().enumerate().filter_map(|(number, link)| {
             let axis = link.joint.as_ref()?.axis[2];
             Some((link.steered_axle()?, def.value_of(number)?, axis.signum()))
@@ -41,7 +41,7 @@ impl Odometer {
         Self {
             base: match controller {
                 Some(controller) => Some(controller.base(def)),
-                None => Base::of(def, Model::True).map(|base| base.on(def, floor)),
+                None => Base::of(def, Model::True),
             },
             wheels: def.driven().filter_map(|wheel| def.value_of(wheel.link)).collect(),
             steering: steering.collect(),

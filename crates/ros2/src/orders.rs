@@ -9,7 +9,7 @@ use gamebots_proto::Command;
 use gamebots_proto::command::{Drive, MultiDrive, Set};
 use kinematics::Twist;
 use ros2_topics::{Controller, Limit, Space, cdr, interfaces as ros, name};
-use scene::{JointState, Material, PawnId, RobotDef, Steering};
+use scene::{JointState, PawnId, RobotDef, Steering};
 use served_world::{Entrance, Session};
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
@@ -91,12 +91,12 @@ pub(crate) struct Driver {
 }
 
 impl Driver {
-    /// Returns the driver of a class on a floor, with the numbers of a controller if there is one; `None` if it does not drive. `unit` is one
+    /// Returns the driver of a class, with the numbers of a controller if there is one; `None` if it does not drive. `unit` is one
     /// wheel-speed unit of the protocol, rad/s.
-    pub(crate) fn of(def: &RobotDef, floor: &Material, controller: Option<&Controller>, unit: f64) -> Option<Self> {
+    pub(crate) fn of(def: &RobotDef, controller: Option<&Controller>, unit: f64) -> Option<Self> {
         let base = match controller {
             Some(controller) => Some(controller.base(def)),
-            None => Base::of(def, Model::True).map(|base| base.on(def, floor)),
+            None => Base::of(def, Model::True),
         };
         let limits = def.driven().filter_map(|wheel| wheel.drive).map(|motor| motor.max_speed);
         let fastest = limits.fold(f64::INFINITY, f64::min);

@@ -160,7 +160,7 @@ impl Bridge {
         let Some(space) = self.topics.space(robot) else { return };
         let joints = Arc::<Mutex<Vec<JointState>>>::default();
         let present = Present { clock: clock.clone(), joints: joints.clone() };
-        let driver = Driver::of(def, self.topics.floor(), controller, *unit);
+        let driver = Driver::of(def, controller, *unit);
         let listening = orders::listen(robot, def, space, driver, &mut self.node, entrance, &present);
         let mut cameras = Vec::new();
         for sensor in 0..def.sensors.len() {

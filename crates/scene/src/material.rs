@@ -12,7 +12,7 @@ pub struct Material {
     pub friction: f64,
     /// Restitution, 0 to 1.
     pub restitution: f64,
-    /// Rolling resistance coefficient: force against the motion of a wheel's hub over its load. A pair has the sum of both.
+    /// Rolling resistance coefficient: moment about a wheel's axle over its load and radius. A pair has the sum of both.
     pub rolling_resistance: f64,
     /// Damping of the linear velocity of a body of this material, 1/s.
     pub linear_damping: f64,

@@ -52,7 +52,7 @@ const WORLDS: [Golden; 5] = [
             (1, "DRIVE {Left 2} {Right 3}"),
             (1, "MULTIDRIVE {FLFlipper 0.5} {RRFlipper -0.7}"),
         ],
-        digest: 0x4260_20b5_6d6f_8b02,
+        digest: 0x839e_d5e7_4bb0_9bb4,
     },
     Golden {
         name: "a heap",
@@ -68,7 +68,7 @@ const WORLDS: [Golden; 5] = [
             (3, "CONTROL {Type Create} {ClassName WCPallet} {Name lift} {Location 0,-1.2,-0.2} {Rotation 0,0,0.3}"),
             (3, "CONTROL {Type Rotate} {Name lift} {Speed 0,0,0.7}"),
         ],
-        digest: 0x2c23_55af_7d19_6497,
+        digest: 0x5b14_9541_0fcd_9d48,
     },
     Golden {
         name: "cars and flight",
@@ -81,7 +81,7 @@ const WORLDS: [Golden; 5] = [
             (2, "INIT {ClassName USARBot.AirRobot} {Location 3,0,-1}"),
             (2, "DRIVE {AltitudeVelocity 0.2} {LinearVelocity 0.5} {RotationalVelocity 30}"),
         ],
-        digest: 0xd13d_f978_b840_a352,
+        digest: 0x4f49_9a45_705c_95ea,
     },
 ];
 

@@ -24,7 +24,7 @@ use friction::Constraint;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::*;
-use scene::{BodyState, Contact, JointState, Motor, Pose};
+use scene::{BodyState, Contact, JointState, Motor, Pose, WHEEL_AXIS};
 
 use super::convert;
 use super::fault::Fault;
@@ -81,8 +81,8 @@ pub(crate) struct ArticulatedRobot {
     joint_impulses: Vec<f64>,
     /// Loads of the wheels in the last step.
     loads: Vec<Load>,
-    /// Ground forces on each wheel in the last step that are not in a contact, N: rolling resistance, and the forces that make a base
-    /// follow its commands.
+    /// Ground forces on each wheel in the last step that are not in a contact, N: rolling resistance at a hub, and the forces that make a
+    /// base follow its commands.
     resistances: Vec<Vector3<f64>>,
     /// Contacts of the last step, each with the wheel that it pushed.
     contacts: Vec<(Option<usize>, Contact)>,
@@ -242,9 +242,18 @@ impl ArticulatedRobot {
                 continue;
             }
             let frame = &body.frames()[hub.carrier];
+            let fall = gravity * time_step;
+            if let Some(driven) = hub.driven {
+                let (ahead, axle) = (frame.rotation * Vector3::x(), frame.rotation * Vector3::from(WHEEL_AXIS));
+                let dof = body.tree().dof_of(driven.link);
+                let speed = driven.radius * body.velocity()[dof] + ahead.dot(&fall);
+                let moment = load.moment(driven, speed, share, time_step);
+                body.twist(driven.link, axle * moment);
+                continue;
+            }
             let centre = body.centre() + frame.origin + frame.rotation * hub.centre;
-            let velocity = body.velocity_at(hub.carrier, centre) + gravity * time_step;
-            *resistance = hub.resistance(load, velocity, frame.rotation * Vector3::x(), share, time_step);
+            let velocity = body.velocity_at(hub.carrier, centre) + fall;
+            *resistance = load.force(velocity, share, time_step);
             body.push(hub.carrier, centre, *resistance);
         }
     }

@@ -1,17 +1,30 @@
-//! Rolling resistance: a force against the motion of a wheel's hub. Its size is the load times a coefficient.
+//! Rolling resistance: the ground's force acts ahead of a wheel's axle, by the coefficient times the radius.
+//!
+//! So it is a moment on a driven wheel, which its motor gives or which brakes it: it moves no hub, and costs a wheel that slides no friction.
+//! On a wheel that turns freely the moment is that of a force against the motion of its hub, which is how casters and Mecanum wheels are
+//! braked. `bodies` brakes all wheels so: the engine's contacts do not feel the servo that would give the moment.
 //!
 //! The coefficient of a pair is the sum of both materials', as both are deformed. The load is that of the last step.
 
 use nalgebra::Vector3;
 
-/// The hub of a wheel, on which its rolling resistance acts.
+/// The hub of a wheel.
 pub(super) struct Hub {
     /// Number of the link that carries the wheel.
     pub(super) carrier: usize,
     /// Centre in the frame of that link's body, m.
     pub(super) centre: Vector3<f64>,
-    /// True for a plain wheel, which rolls ahead and slides sideways. Other wheels roll in every direction.
-    pub(super) rolls_ahead_only: bool,
+    /// The wheel, if it is driven and plain. Others are braked at the hub, in every direction.
+    pub(super) driven: Option<Driven>,
+}
+
+/// A driven plain wheel or the sprocket of a track.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Driven {
+    /// Number of its link.
+    pub(super) link: usize,
+    /// m.
+    pub(super) radius: f64,
 }
 
 /// The load of one wheel.
@@ -23,29 +36,21 @@ pub(super) struct Load {
     pub(super) resistance: f64,
 }
 
-impl Hub {
-    /// Computes the rolling resistance in a step, N. `velocity` is the hub's velocity without it, `ahead` the x axis of the carrier, and
-    /// `mass` the hub's share of the robot's mass, kg.
-    pub(super) fn resistance(
-        &self,
-        load: &Load,
-        velocity: Vector3<f64>,
-        ahead: Vector3<f64>,
-        mass: f64,
-        time_step: f64,
-    ) -> Vector3<f64> {
-        let velocity = if self.rolls_ahead_only { ahead * ahead.dot(&velocity) } else { velocity };
-        load.impulse(velocity, mass) / time_step
-    }
-}
-
 impl Load {
-    /// Returns the impulse on a hub that moves with a velocity and carries a mass. It never exceeds the impulse that stops the hub.
-    fn impulse(&self, velocity: Vector3<f64>, mass: f64) -> Vector3<f64> {
+    /// Computes the rolling resistance on a hub in a step, N. `velocity` is the hub's velocity without it, and `mass` the hub's share of the
+    /// robot's mass, kg. It is no more than stops the hub.
+    pub(super) fn force(&self, velocity: Vector3<f64>, mass: f64, time_step: f64) -> Vector3<f64> {
         let Some(normal) = self.normal.try_normalize(0.0) else { return Vector3::zeros() };
         let along = velocity - normal * normal.dot(&velocity);
         let speed = along.norm();
-        if speed > 0.0 { -along * (self.resistance.min(mass * speed) / speed) } else { Vector3::zeros() }
+        if speed > 0.0 { -along * (self.resistance.min(mass * speed) / speed) / time_step } else { Vector3::zeros() }
+    }
+
+    /// Computes the moment on a driven wheel about its axle in a step, N m. `speed` is that of its rim without it, m/s. It is no more than stops
+    /// the wheel with its share of the robot's mass, kg.
+    pub(super) fn moment(&self, wheel: Driven, speed: f64, mass: f64, time_step: f64) -> f64 {
+        let impulse = (mass * speed).clamp(-self.resistance, self.resistance);
+        -impulse * wheel.radius / time_step
     }
 }
 
@@ -53,22 +58,23 @@ impl Load {
 mod tests {
     use super::*;
 
-    /// Computes the resistance of a hub that carries 10 kg under a load of 1 N s, in steps of 0.01 s.
-    fn resistance(rolls_ahead_only: bool, velocity: [f64; 3]) -> Vector3<f64> {
-        let hub = Hub { carrier: 0, centre: Vector3::zeros(), rolls_ahead_only };
-        let load = Load { normal: -Vector3::z(), resistance: 0.02 };
-        hub.resistance(&load, velocity.into(), Vector3::x(), 10.0, 0.01)
-    }
+    const LOAD: Load = Load { normal: Vector3::new(0.0, 0.0, -1.0), resistance: 0.02 };
 
     #[test]
     fn it_brakes_by_the_load_and_no_more_than_to_a_stop() {
-        assert!((resistance(false, [3.0, 4.0, 5.0]) - Vector3::new(-1.2, -1.6, 0.0)).norm() < 1e-12);
-        assert!((resistance(false, [0.001, 0.0, 0.0]) - Vector3::new(-1.0, 0.0, 0.0)).norm() < 1e-12);
-        assert_eq!(resistance(false, [0.0, 0.0, 5.0]), Vector3::zeros());
+        // A hub that carries 10 kg, in steps of 0.01 s.
+        let force = |velocity: [f64; 3]| LOAD.force(velocity.into(), 10.0, 0.01);
+        assert!((force([3.0, 4.0, 5.0]) - Vector3::new(-1.2, -1.6, 0.0)).norm() < 1e-12);
+        assert!((force([0.001, 0.0, 0.0]) - Vector3::new(-1.0, 0.0, 0.0)).norm() < 1e-12);
+        assert_eq!(force([0.0, 0.0, 5.0]), Vector3::zeros());
     }
 
     #[test]
-    fn a_plain_wheel_is_braked_ahead_alone() {
-        assert!((resistance(true, [3.0, 4.0, 5.0]) - Vector3::new(-2.0, 0.0, 0.0)).norm() < 1e-12);
+    fn a_driven_wheel_is_braked_about_its_axle() {
+        let wheel = Driven { link: 0, radius: 0.1 };
+        for (speed, expected) in [(3.0, -0.2), (-3.0, 0.2), (0.001, -0.1), (0.0, 0.0)] {
+            let moment = LOAD.moment(wheel, speed, 10.0, 0.01);
+            assert!((moment - expected).abs() < 1e-12, "{speed} m/s: {moment} N m");
+        }
     }
 }

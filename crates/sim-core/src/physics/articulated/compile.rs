@@ -8,7 +8,7 @@ use rapier3d::prelude::SharedShape;
 use scene::{Coupling, CouplingKind, DriveModel, Footing, JointKind, Material, MountedWheel, RobotDef, Rollers};
 
 use super::super::motor::Value;
-use super::super::rolling::Hub;
+use super::super::rolling::{Driven, Hub};
 use super::super::shape;
 use super::super::surface::{Materials, Surface as ColliderSurface};
 use super::following::Following;
@@ -163,8 +163,9 @@ impl Articulated {
         });
         let own = links.len() - 1;
         if let Some(wheel) = &wheel {
-            let rolls_ahead_only = wheel.drive.is_some() && wheel.rollers.is_none();
-            self.wheels.push(Hub { carrier: parent, centre: anchor, rolls_ahead_only });
+            let is_driven = wheel.drive.is_some() && wheel.rollers.is_none();
+            let driven = is_driven.then_some(Driven { link: own, radius: wheel.radius });
+            self.wheels.push(Hub { carrier: parent, centre: anchor, driven });
         }
         if joint.kind.has_value() {
             let value = Value::new(joint, wheel.is_some());

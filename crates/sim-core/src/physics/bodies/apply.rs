@@ -98,7 +98,9 @@ impl MultibodyRobot {
             let centre = carrier.position() * convert::vector(hub.centre);
             let velocity = convert::from_vector(carrier.velocity_at_point(centre)) + fall;
             let ahead = convert::from_vector(carrier.rotation() * Vector::X);
-            *resistance = hub.resistance(load, velocity, ahead, share, time_step);
+            // A driven wheel rolls ahead and slides sideways.
+            let velocity = if hub.driven.is_some() { ahead * ahead.dot(&velocity) } else { velocity };
+            *resistance = load.force(velocity, share, time_step);
             carrier.add_force_at_point(convert::vector(*resistance), centre, true);
         }
     }

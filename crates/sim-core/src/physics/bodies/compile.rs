@@ -4,7 +4,7 @@ use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
 use scene::{Coupling, CouplingKind, Footing, Mass, Material, MountedWheel, Pose, RobotDef};
 
-use super::super::rolling::Hub;
+use super::super::rolling::{Driven, Hub};
 use super::super::surface::{Materials, Surface};
 use super::super::{convert, shape};
 use super::joint::{Gear, Joint, Role, axis_of};
@@ -137,8 +137,9 @@ impl Tree {
         materials: &mut Materials,
     ) {
         let (pose, number) = (Pose::from(Translation3::from(offset)), self.hubs.len());
-        let rolls_ahead_only = wheel.drive.is_some() && wheel.rollers.is_none();
-        self.hubs.push(Hub { carrier: parent, centre: anchor, rolls_ahead_only });
+        let is_driven = wheel.drive.is_some() && wheel.rollers.is_none();
+        let driven = is_driven.then_some(Driven { link: self.links.len(), radius: wheel.radius });
+        self.hubs.push(Hub { carrier: parent, centre: anchor, driven });
         let mass = convert::principal_mass(&wheel.hub_mass(wheel.drive.is_some()));
         let mut surface = |shape, material: &Material| Surface::new(shape, &Pose::identity(), material, materials);
         let surfaces = match (&wheel.drive, &wheel.rollers) {
