@@ -463,9 +463,12 @@ fn objects_of_a_world_controller_are_on_the_page_and_in_the_log() {
     viewer.frame("a state in the log", |frame| frame.time > removed + 0.05);
     server.stop().unwrap();
     let log = recorder::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    assert!(log.damage.is_none(), "{:?}, {:?}", log.damage, log.end);
     let count = |is_it: fn(&Record) -> bool| log.entries.iter().filter(|entry| is_it(&entry.record)).count();
     assert_eq!(count(|it| matches!(it, Record::ObjectSpawned(it) if it.def().is_some())), 2);
-    assert_eq!(count(|it| matches!(it, Record::ObjectRemoved(_))), 2);
+    let gone = log.entries.iter().filter(|entry| matches!(entry.record, Record::ObjectRemoved(_)));
+    let gone: Vec<f64> = gone.map(|entry| entry.time).collect();
+    assert_eq!(gone.len(), 2, "removed at {gone:?} s in the log, at {removed} s on the page; its end: {:?}", log.end);
     let falls = |it: &Record| matches!(it, Record::Object(state) if state.name == "my_crate");
     assert!(count(falls) > 5);
     let replay = logbook::replay(&log).unwrap_or_else(|error| panic!("{error}"));
