@@ -139,6 +139,15 @@ fn a_cart_is_the_same_robot_however_its_file_says_it() {
         ("axes of the parent's model", "1.5", plain(parent_frame)),
         ("axes expressed in the model", "1.9", plain(expressed)),
         ("axes expressed in a link", "1.9", plain(of_base)),
+        (
+            "ends as attributes",
+            "1.0",
+            plain(of_model)
+                .replace("<parent>", "<parent link='")
+                .replace("</parent>", "'/>")
+                .replace("<child>", "<child link='")
+                .replace("</child>", "'/>"),
+        ),
         ("limits that are none", "1.6", plain(no_end)),
         ("a pose of the joint", "1.7", placed),
         ("a link on a frame", "1.9", on_frames),

@@ -452,10 +452,11 @@ impl Reader<'_> {
     fn joint(&mut self, place: Place, node: Node, scope: &Scope, model: &mut Model) {
         let own = node.attribute("name").unwrap_or("joint");
         let name = format!("{}{own}", scope.prefix);
+        // Before SDF 1.2 the name was an attribute.
+        let named = |end| child(node, end).and_then(|it| it.attribute("link")).unwrap_or_else(|| text_of(node, end));
         let mut ends = Vec::new();
         for end in ["parent", "child"] {
-            // Before SDF 1.2 the name was an attribute.
-            let text = child(node, end).and_then(|it| it.attribute("link")).unwrap_or_else(|| text_of(node, end));
+            let text = named(end);
             match link_of(text, scope, model) {
                 Some(link) => ends.push(link),
                 None => {
@@ -467,8 +468,7 @@ impl Reader<'_> {
         if parent == child_link || child_link == WORLD {
             return model.note_of("joints are left out, as they carry nothing", &name);
         }
-        let usual = text_of(node, "child");
-        let frame = frames::relative(node).unwrap_or(usual);
+        let frame = frames::relative(node).unwrap_or(named("child"));
         let own_pose = self.posed(place, node, frames::pose(node));
         let pose = self.posed(place, node, pose_of(frame, scope, model)) * own_pose;
         let first = Axis::of(node, "axis", &pose, scope, model, place.version);
