@@ -2,6 +2,7 @@
 
 pub(crate) mod frames;
 pub(crate) mod models;
+pub(crate) mod reading;
 pub(crate) mod robot;
 pub(crate) mod solids;
 

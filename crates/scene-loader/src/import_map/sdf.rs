@@ -16,17 +16,11 @@ use crate::mesh::{self, Piece};
 use crate::problem::Problems;
 use crate::sdf::frames::{self, FrameError, Frames};
 use crate::sdf::models::{Models, WellKnown, well_known};
-use crate::sdf::{ROOTS, child, children, is_true, number_of, numbers, solids, submesh, text_of};
-use crate::source::{MAX_MESH, MAX_TEXT, Source};
+use crate::sdf::reading::{self, Included, MAX_DEPTH, MAX_INCLUDED, Place};
+use crate::sdf::{child, children, is_true, number_of, numbers, solids, submesh, text_of};
+use crate::source::{MAX_MESH, Source};
 use crate::urdf::z_down;
-use crate::xml;
 
-/// Maximum number of elements, attributes and texts of a file.
-const MAX_NODES: u32 = 500_000;
-/// Maximum nesting of models, and of files that include each other.
-const MAX_DEPTH: usize = 16;
-/// Maximum number of included files: files that include each other twice would be read without end.
-const MAX_INCLUDED: usize = 1000;
 /// Maximum size of all meshes that are read, bytes; one that is named again counts again.
 const MAX_BYTES: u64 = 1 << 30;
 /// Elements that say nothing about shapes, or are read elsewhere.
@@ -150,46 +144,18 @@ struct Reader<'p> {
     included: usize,
 }
 
-/// A file that is being read.
-#[derive(Clone, Copy)]
-struct Place<'a> {
-    source: &'a Source,
-    shown: &'a str,
-    text: &'a str,
-    /// Number of files and models around.
-    depth: usize,
-}
-
-/// Settings of a model by whoever includes it; what is `None` is the model's own.
-#[derive(Default)]
-struct Included {
-    /// Pose of what is around it.
-    parent: Isometry3<f64>,
-    pose: Option<Isometry3<f64>>,
-    name: Option<String>,
-    is_static: Option<bool>,
-    /// Frame of the model that the pose places.
-    placed: Option<String>,
-}
-
 impl Reader<'_> {
     /// Reads the worlds and models of a file.
     fn file(&mut self, source: &Source, file: &str, included: &Included, depth: usize) -> Result<(), LoadError> {
-        let (text, shown) = (source.xml(file, MAX_TEXT)?, source.display(file));
-        let unreadable = |reason: String| LoadError::Unreadable { file: shown.clone(), reason };
-        let document = xml::parse(&text, MAX_NODES).map_err(|error| unreadable(error.to_string()))?;
-        let root = document.root_element();
-        if !ROOTS.contains(&root.tag_name().name()) {
-            return Err(unreadable(format!("<{}>: expected <sdf>", root.tag_name().name())));
-        }
-        let place = Place { source, shown: &shown, text: &text, depth };
-        for world in children(root, "world") {
-            self.world(place, world)?;
-        }
-        for model in children(root, "model") {
-            self.model(place, model, &Frames::of(root), included, "", &BTreeMap::new())?;
-        }
-        Ok(())
+        reading::file(source, file, depth, |place, root| {
+            for world in children(root, "world") {
+                self.world(place, world)?;
+            }
+            for model in children(root, "model") {
+                self.model(place, model, &Frames::of(root), included, "", &BTreeMap::new())?;
+            }
+            Ok(())
+        })
     }
 
     fn world(&mut self, place: Place, world: Node) -> Result<(), LoadError> {
@@ -213,7 +179,7 @@ impl Reader<'_> {
     }
 
     fn problem(&mut self, place: Place, node: Node, message: impl std::fmt::Display) {
-        self.problems.at(place.shown, place.text, node.range().start, message);
+        place.problem(self.problems, node, message);
     }
 
     fn note(&mut self, what: impl Into<String>) {
@@ -232,10 +198,7 @@ impl Reader<'_> {
 
     /// Returns a pose, or reports why there is none.
     fn posed(&mut self, place: Place, node: Node, pose: Result<Isometry3<f64>, FrameError>) -> Isometry3<f64> {
-        pose.unwrap_or_else(|error| {
-            self.problem(place, child(node, "pose").unwrap_or(node), error);
-            Isometry3::identity()
-        })
+        place.posed(self.problems, node, pose)
     }
 
     /// Reads the models inside a world or a model. `prefix` begins their names, and `poses` are those of a saved world.
@@ -276,12 +239,8 @@ impl Reader<'_> {
         prefix: &str,
     ) -> Result<(), LoadError> {
         let uri = text_of(node, "uri");
-        let has_pose = child(node, "pose").is_some_and(|pose| pose.text().is_some_and(|text| !text.trim().is_empty()));
-        let pose = has_pose.then(|| self.posed(place, node, frames.pose(node)));
-        let name = Some(text_of(node, "name")).filter(|name| !name.is_empty()).map(|name| format!("{prefix}{name}"));
-        let is_static = child(node, "static").map(|node| is_true(node.text().unwrap_or_default().trim()));
-        let placed = Some(text_of(node, "placement_frame")).filter(|frame| !frame.is_empty()).map(str::to_owned);
-        let included = Included { parent: *parent, pose, name, is_static, placed };
+        let mut included = Included::of(place, node, frames, *parent, self.problems);
+        included.name = included.name.map(|name| format!("{prefix}{name}"));
         if let Some((folder, file)) = self.models.find(place.source, uri) {
             if self.included >= MAX_INCLUDED {
                 self.problem(place, node, format_args!("more than {MAX_INCLUDED} included models"));
@@ -327,17 +286,8 @@ impl Reader<'_> {
             return Ok(());
         }
         let frames = Frames::of(node);
-        let saved = poses.get(own_name).copied();
-        let pose = match included.pose.or(saved) {
-            Some(pose) => pose,
-            None => self.posed(place, node, around.pose(node)),
-        };
-        let placed = included.placed.as_deref().or(node.attribute("placement_frame")).filter(|frame| !frame.is_empty());
-        let offset = match placed {
-            Some(frame) => self.posed(place, node, frames.named(frame)).inverse(),
-            None => Isometry3::identity(),
-        };
-        let pose = included.parent * pose * offset;
+        let own = || poses.get(own_name).map_or_else(|| around.pose(node), |saved| Ok(*saved));
+        let pose = included.placed(place, node, &frames, own, self.problems);
         let links: Vec<Node> = children(node, "link").collect();
         let collisions = links.iter().flat_map(|link| children(*link, "collision")).count();
         let is_static = included.is_static.unwrap_or_else(|| is_true(text_of(node, "static")));

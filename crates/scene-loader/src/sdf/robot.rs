@@ -15,18 +15,13 @@ use urdf_rs::{JointLimit, JointType};
 use self::link::{Parts, Placed};
 use super::frames::{self, FrameError, Frames};
 use super::models::{Models, well_known};
+use super::reading::{self, Included, MAX_DEPTH, MAX_INCLUDED, MAX_NODES, Place};
 use super::{ROOTS, child, children, is_true, number_of, numbers, text_of};
 use crate::LoadError;
 use crate::problem::Problems;
-use crate::source::{MAX_TEXT, Source};
+use crate::source::Source;
 use crate::xml;
 
-/// Maximum number of elements, attributes and texts of a file.
-const MAX_NODES: u32 = 500_000;
-/// Maximum nesting of models, and of files that include each other.
-const MAX_DEPTH: usize = 16;
-/// Maximum number of included files.
-const MAX_INCLUDED: usize = 1000;
 /// Maximum number of missing models that an error lists.
 const MAX_SAID: usize = 20;
 /// Maximum number of links of a robot, of its joints, and of its shapes.
@@ -213,7 +208,7 @@ fn read(of: &SdfFile, wanted: Option<&str>) -> Result<Found, LoadError> {
         included: 0,
     };
     let source = Source::of_file(of.file);
-    reader.file(&source, &file, 0, &mut |reader, place, root| reader.all(place, root))?;
+    reading::file(&source, &file, 0, |place, root| reader.all(place, root))?;
     let Reader { problems, found, .. } = reader;
     problems.into_result(found)
 }
@@ -226,29 +221,6 @@ struct Reader<'a> {
     found: Found,
     /// Number of included files.
     included: usize,
-}
-
-/// A file that is being read.
-#[derive(Clone, Copy)]
-struct Place<'a> {
-    source: &'a Source,
-    shown: &'a str,
-    text: &'a str,
-    version: [u32; 2],
-    /// Number of files and models around.
-    depth: usize,
-}
-
-/// Settings of a model by whoever includes it; what is `None` is the model's own.
-#[derive(Default)]
-struct Included {
-    name: Option<String>,
-    pose: Option<Isometry3<f64>>,
-    /// Frame of the model that the pose places.
-    placed: Option<String>,
-    is_static: Option<bool>,
-    /// True if its links become those of the model around it.
-    is_merged: bool,
 }
 
 /// A model whose elements are being read.
@@ -266,27 +238,12 @@ type Each<'f> = &'f mut dyn FnMut(&mut Reader, Place, Node) -> Result<(), LoadEr
 
 impl Reader<'_> {
     fn problem(&mut self, place: Place, node: Node, message: impl std::fmt::Display) {
-        self.problems.at(place.shown, place.text, node.range().start, message);
+        place.problem(&mut self.problems, node, message);
     }
 
     /// Returns a pose, or reports why there is none.
     fn posed(&mut self, place: Place, node: Node, pose: Result<Isometry3<f64>, FrameError>) -> Isometry3<f64> {
-        pose.unwrap_or_else(|error| {
-            self.problem(place, child(node, "pose").unwrap_or(node), error);
-            Isometry3::identity()
-        })
-    }
-
-    fn file(&mut self, source: &Source, file: &str, depth: usize, each: Each) -> Result<(), LoadError> {
-        let (text, shown) = (source.xml(file, MAX_TEXT)?, source.display(file));
-        let unreadable = |reason: String| LoadError::Unreadable { file: shown.clone(), reason };
-        let document = xml::parse(&text, MAX_NODES).map_err(|error| unreadable(error.to_string()))?;
-        let root = document.root_element();
-        if !ROOTS.contains(&root.tag_name().name()) {
-            return Err(unreadable(format!("<{}>: expected <sdf>", root.tag_name().name())));
-        }
-        let version = root.attribute("version").and_then(version).unwrap_or(AXES_OF_JOINTS);
-        each(self, Place { source, shown: &shown, text: &text, version, depth }, root)
+        place.posed(&mut self.problems, node, pose)
     }
 
     /// Reads the models of a file and of its worlds.
@@ -298,7 +255,7 @@ impl Reader<'_> {
                 match node.tag_name().name() {
                     "model" => self.top(place, node, &Included::default())?,
                     "include" => {
-                        let included = self.settings(place, node, &frames);
+                        let included = Included::of(place, node, &frames, Isometry3::identity(), &mut self.problems);
                         let read =
                             &mut |reader: &mut Reader, place: Place, model: Node| reader.top(place, model, &included);
                         let missing = self.include(place, node, read);
@@ -337,19 +294,6 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Returns what an include says of its model.
-    fn settings<'a>(&mut self, place: Place, node: Node<'a, 'a>, frames: &Frames<'a, 'a>) -> Included {
-        let has_pose = child(node, "pose").is_some_and(|pose| pose.text().is_some_and(|text| !text.trim().is_empty()));
-        let text = |tag: &str| Some(text_of(node, tag)).filter(|text| !text.is_empty()).map(str::to_owned);
-        Included {
-            name: text("name"),
-            pose: has_pose.then(|| self.posed(place, node, frames.pose(node))),
-            placed: text("placement_frame"),
-            is_static: text("static").map(|text| is_true(&text)),
-            is_merged: node.attribute("merge").is_some_and(is_true),
-        }
-    }
-
     /// Reads the model of an included file. What somebody else's model has wrong costs that model alone: its note is returned.
     fn include(&mut self, place: Place, node: Node, each: Each) -> Option<String> {
         let uri = text_of(node, "uri");
@@ -360,8 +304,8 @@ impl Reader<'_> {
             return Some(format!("more than {MAX_INCLUDED} included models, or {MAX_DEPTH} inside each other"));
         }
         self.included += 1;
-        let read = self.file(&folder, &file, place.depth + 1, &mut |reader, place, root| {
-            child(root, "model").map_or(Ok(()), |model| each(reader, place, model))
+        let read = reading::file(&folder, &file, place.depth + 1, |place, root| {
+            child(root, "model").map_or(Ok(()), |model| each(self, place, model))
         });
         read.err().map(|error| format!("model `{uri}` is left out: {error}"))
     }
@@ -398,10 +342,16 @@ impl Reader<'_> {
             match inner.tag_name().name() {
                 "model" => {
                     let pose = self.posed(place, inner, scope.frames.pose(inner));
-                    self.nested(inside, inner, model, &scope, &Included { pose: Some(pose), ..Included::default() })?;
+                    self.nested(
+                        inside,
+                        inner,
+                        model,
+                        &scope,
+                        &Included { parent: base, pose: Some(pose), ..Included::default() },
+                    )?;
                 }
                 "include" => {
-                    let included = self.settings(place, inner, &scope.frames);
+                    let included = Included::of(place, inner, &scope.frames, base, &mut self.problems);
                     let note = self.include(inside, inner, &mut |reader, place, found| {
                         reader.nested(place, found, model, &scope, &included)
                     });
@@ -432,19 +382,9 @@ impl Reader<'_> {
         around: &Scope,
         included: &Included,
     ) -> Result<(), LoadError> {
-        let frames = Frames::of(node);
         let own = included.name.as_deref().or(node.attribute("name")).unwrap_or("model");
-        let pose = match included.pose {
-            Some(pose) => pose,
-            None => self.posed(place, node, frames::pose(node)),
-        };
-        let placed = included.placed.as_deref().or(node.attribute("placement_frame")).filter(|frame| !frame.is_empty());
-        let offset = match placed {
-            Some(frame) => self.posed(place, node, frames.named(frame)).inverse(),
-            None => Isometry3::identity(),
-        };
+        let base = included.placed(place, node, &Frames::of(node), || frames::pose(node), &mut self.problems);
         let prefix = if included.is_merged { around.prefix.to_owned() } else { format!("{}{own}::", around.prefix) };
-        let base = around.base * pose * offset;
         model.inside.insert(format!("{}{own}", around.prefix), base);
         self.model(place, node, model, &prefix, base)
     }
@@ -471,7 +411,7 @@ impl Reader<'_> {
         let frame = frames::relative(node).unwrap_or(named("child"));
         let own_pose = self.posed(place, node, frames::pose(node));
         let pose = self.posed(place, node, pose_of(frame, scope, model)) * own_pose;
-        let first = Axis::of(node, "axis", &pose, scope, model, place.version);
+        let first = Axis::of(node, "axis", &pose, scope, model);
         let made = |kind: JointType, axis: Axis| Hinge {
             name: name.clone(),
             kind,
@@ -493,7 +433,7 @@ impl Reader<'_> {
             }
             "revolute2" | "universal" => {
                 // Two joints with a link between them.
-                let second = Axis::of(node, "axis2", &pose, scope, model, place.version);
+                let second = Axis::of(node, "axis2", &pose, scope, model);
                 let between = format!("{name}_between");
                 let mut link = Placed::empty(&between, pose);
                 if let Some(carried) = model.links.iter_mut().find(|placed| placed.link.name == child_link) {
@@ -525,22 +465,17 @@ struct Axis {
 }
 
 impl Axis {
-    fn of(
-        joint: Node,
-        tag: &'static str,
-        pose: &Isometry3<f64>,
-        scope: &Scope,
-        model: &mut Model,
-        version: [u32; 2],
-    ) -> Self {
+    fn of(joint: Node, tag: &'static str, pose: &Isometry3<f64>, scope: &Scope, model: &mut Model) -> Self {
         let axis = child(joint, tag);
         let xyz = axis.and_then(|axis| child(axis, "xyz"));
         let own = Vector3::from(xyz.and_then(|it| numbers(it.text()?)).unwrap_or([0.0, 0.0, 1.0]));
+        let version = joint.document().root_element().attribute("version").and_then(version);
+        let is_old = version.is_some_and(|version| version < AXES_OF_JOINTS);
         let of_model = axis.is_some_and(|axis| is_true(text_of(axis, "use_parent_model_frame")));
         let named = xyz.and_then(|it| it.attribute("expressed_in")).filter(|frame| !frame.is_empty());
         let turn = match named {
             Some(frame) => pose_of(frame, scope, model).map_or(pose.rotation, |it| it.rotation),
-            None if of_model || version < AXES_OF_JOINTS => scope.base.rotation,
+            None if of_model || is_old => scope.base.rotation,
             None => pose.rotation,
         };
         let part = |of: &'static str, tag: &str| axis.and_then(|axis| number_of(child(axis, of)?, tag));
