@@ -115,16 +115,7 @@ pub fn sdf(bytes: &[u8]) {
     let folder = Folder::new(&[("part.obj", MESH.as_bytes())]);
     let file = folder.with("x.sdf", bytes);
     robot_of_sdf(&file);
-    let import = MapImport {
-        file: &file,
-        scale: 1.0,
-        materials: &[],
-        floor: true,
-        models: &[],
-        without: &[],
-        within: None,
-        is_strict: false,
-    };
+    let import = MapImport { floor: true, ..MapImport::new(&file) };
     let made = scene_loader::import_map(&import);
     assert_lines(&made);
     let Ok(made) = made else { return };

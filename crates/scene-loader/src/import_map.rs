@@ -46,6 +46,22 @@ pub struct MapImport<'a> {
     pub is_strict: bool,
 }
 
+impl<'a> MapImport<'a> {
+    /// Returns the usual settings: in metres, without a floor of its own, and what is not there is left out.
+    pub fn new(file: &'a Path) -> Self {
+        Self {
+            file,
+            scale: 1.0,
+            materials: &[],
+            floor: false,
+            models: &[],
+            without: &[],
+            within: None,
+            is_strict: false,
+        }
+    }
+}
+
 /// A solid that an import made of an object.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ImportedSolid {

@@ -289,16 +289,7 @@ fn a_laser_has_as_many_beams_as_its_file_says() {
 /// Makes a map of a file in a folder.
 fn map(folder: &TempDir, file: &str, models: &[PathBuf]) -> Result<ImportedMap, String> {
     let file = &folder.path().join(file);
-    let import = MapImport {
-        file,
-        scale: 1.0,
-        materials: &[],
-        floor: false,
-        models,
-        without: &[],
-        within: None,
-        is_strict: false,
-    };
+    let import = MapImport { models, ..MapImport::new(file) };
     import_map(&import).map_err(|error| error.to_string())
 }
 
@@ -348,16 +339,7 @@ fn what_every_gazebo_has_is_known_and_what_is_missing_is_a_note() {
         assert!(notes.contains(word), "{word} is not in {notes}");
     }
     let file = &folder.path().join("w.world");
-    let import = MapImport {
-        file,
-        scale: 1.0,
-        materials: &[],
-        floor: false,
-        models: &[],
-        without: &[],
-        within: None,
-        is_strict: true,
-    };
+    let import = MapImport { is_strict: true, ..MapImport::new(file) };
     let error = import_map(&import).expect_err("it is strict").to_string();
     assert!(error.contains("`model://nobody` is not there"), "{error}");
 }

@@ -319,16 +319,7 @@ fn robots_of_a_world_are_found_by_their_names() {
     // The map of that world has the robots as statues, but for those that are left out.
     let import = |without: &[String]| {
         let file: &Path = &files.folder.path().join("many.world");
-        let import = MapImport {
-            file,
-            scale: 1.0,
-            materials: &[],
-            floor: false,
-            models: &[],
-            without,
-            within: None,
-            is_strict: false,
-        };
+        let import = MapImport { without, ..MapImport::new(file) };
         scene_loader::import_map(&import)
     };
     let made = import(&[]).expect("a map");

@@ -158,16 +158,7 @@ fn read(sdf: &SdfFile, mut packages: Packages, drive_model: Option<DriveModel>) 
 
 fn map(root: &Path, work: &Path, file: &Path) -> Result<Opened, String> {
     let name = &name_of(file, "dropped");
-    let import = MapImport {
-        file,
-        scale: 1.0,
-        materials: &[],
-        floor: false,
-        models: &[],
-        without: &[],
-        within: Some(root),
-        is_strict: false,
-    };
+    let import = MapImport { within: Some(root), ..MapImport::new(file) };
     let folder: &PathBuf = &work.join(name);
     std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
     let map = scene_loader::import_map(&import).map_err(|error| error.to_string())?;
