@@ -130,12 +130,12 @@ pub fn sdf(bytes: &[u8]) {
 fn robot_of_sdf(file: &Path) {
     let work = Folder::new(&[]);
     let of = SdfFile { file, models: &[], within: None, work: &work.path("") };
-    let Ok((robots, _)) = scene_loader::sdf_robots(&of) else { return };
+    let Ok(robots) = scene_loader::sdf_robots(&of) else { return };
     for name in robots.iter().take(3) {
         let robot = scene_loader::sdf_robot(&of, Some(name)).expect("it is listed");
         assert!(!scene_loader::is_sdf(&robot.text) && scene_loader::urdf_name(&robot.text).is_some(), "{}", robot.text);
         let mut packages = Packages::around(file, &[], &[]).expect("its folder");
-        packages.allow(work.path(""));
+        packages.allow(&work.path(""));
         import(file, &robot.text, &robot.wheels, &packages);
     }
 }

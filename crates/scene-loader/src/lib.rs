@@ -31,7 +31,7 @@ pub use league::{Communication, Controllers, LeagueFile, league};
 pub use overrides::{Override, check_used};
 pub use problem::{FileProblem, LoadError};
 pub use robot::of_urdf::WheelDrive;
-pub use sdf::robot::{SdfFile, SdfRobot, is_sdf, sdf_robot, sdf_robots};
+pub use sdf::robot::{SdfFile, SdfRobot, is_sdf, is_sdf_model, sdf_robot, sdf_robots};
 pub use shipped::{File, map_description, map_files, map_names, robot_files, robot_folders, robot_names};
 
 use std::path::Path;

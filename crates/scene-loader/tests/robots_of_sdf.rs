@@ -3,9 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use scene::{JointKind, RobotDef, Steering};
-use scene_loader::{
-    Import, Imported, LoadError, MapImport, Packages, SdfFile, SdfRobot, import, sdf_robot, sdf_robots,
-};
+use scene_loader::{Import, Imported, LoadError, MapImport, Packages, SdfFile, SdfRobot, sdf_robot, sdf_robots};
 use tempfile::TempDir;
 
 /// A folder with files of SDF.
@@ -36,15 +34,14 @@ impl Files {
     }
 
     /// Imports the robot with this name.
-    fn imported(&self, file: &str, name: Option<&str>) -> (Imported, Vec<String>) {
+    fn imported(&self, file: &str, name: Option<&str>) -> Imported {
         let robot = self.robot(file, name).unwrap_or_else(|error| panic!("{error}"));
         let path = self.folder.path().join(file);
         let mut packages = Packages::around(&path, &[], &[]).expect("packages");
-        robot.folders.iter().for_each(|folder| packages.allow(folder.clone()));
-        packages.allow(self.folder.path().join("work"));
-        let SdfRobot { text, wheels, left_out, .. } = &robot;
-        let imported = Import { file: &path, text, class: "Cart", packages: &packages, wheels, drive: None };
-        (import(&imported).unwrap_or_else(|error| panic!("{error}:\n{text}")), left_out.clone())
+        robot.folders.iter().for_each(|folder| packages.allow(folder));
+        packages.allow(&self.folder.path().join("work"));
+        let settings = Import { file: &path, text: "", class: "Cart", packages: &packages, wheels: &[], drive: None };
+        robot.import(&settings).unwrap_or_else(|error| panic!("{error}:\n{}", robot.text))
     }
 }
 
@@ -160,7 +157,7 @@ fn a_cart_is_the_same_robot_however_its_file_says_it() {
         ("no plugin", "1.6", links() + &joints(own_axis)),
     ] {
         let files = Files::new(&[("robot.sdf", &model(version, &inside)), ("cart/model.sdf", &beside)]);
-        let (imported, _) = files.imported("robot.sdf", None);
+        let imported = files.imported("robot.sdf", None);
         assert_cart(&imported.robot, case);
     }
 }
@@ -199,18 +196,18 @@ fn only_joints_that_a_plugin_names_are_driven() {
     let of_mast = "<plugin name='p' filename='position'><joint_name>mast_joint</joint_name></plugin>";
     let inside = links() + &joints(free) + &more + DIFF + of_mast;
     let files = Files::new(&[("robot.sdf", &model("1.6", &inside))]);
-    let (imported, left_out) = files.imported("robot.sdf", None);
+    let imported = files.imported("robot.sdf", None);
     let drive = |name: &str| {
         let link = imported.robot.links.iter().find(|link| link.name == name).expect("a link");
         link.joint.as_ref().expect("a joint").drive.is_some()
     };
     assert!(drive("left_wheel") && drive("right_wheel") && drive("mast_joint") && !drive("flag_joint"));
-    let said = left_out.join("\n");
+    let said = imported.left_out.join("\n");
     assert!(said.contains("no plugin drives these joints, so they swing freely: flag_joint"), "{said}");
     assert!(said.contains("no limit of effort: up to") && said.contains("mast_joint"), "{said}");
     // Without a plugin nobody says which, and all are.
     let files = Files::new(&[("robot.sdf", &model("1.6", &(links() + &joints(free) + &more)))]);
-    let (imported, _) = files.imported("robot.sdf", None);
+    let imported = files.imported("robot.sdf", None);
     assert!(
         imported.robot.links.iter().filter_map(|link| link.joint.as_ref()).filter(|it| it.drive.is_some()).count() == 4
     );
@@ -233,7 +230,7 @@ fn a_universal_joint_is_two_joints_that_steer_and_roll() {
         + &rear("rl", 0.2)
         + &rear("rr", -0.2);
     let files = Files::new(&[("car.sdf", &model("1.6", &inside))]);
-    let (imported, _) = files.imported("car.sdf", None);
+    let imported = files.imported("car.sdf", None);
     let robot = &imported.robot;
     assert_eq!((robot.steering, robot.driven().count()), (Steering::Ackermann, 4), "{:?}", robot.assumptions);
     assert!((robot.mass() - 12.0).abs() < 1e-6, "the link between takes its mass of the wheel: {} kg", robot.mass());
@@ -268,7 +265,7 @@ fn sensors_and_parts_of_meshes_are_where_the_file_has_them() {
     };
     let parts = cube("near", 1.0, 0) + &cube("far", 9.0, 8);
     let files = Files::new(&[("robot.sdf", &model("1.6", &inside)), ("parts.obj", &parts)]);
-    let (imported, _) = files.imported("robot.sdf", None);
+    let imported = files.imported("robot.sdf", None);
     let eye = imported.robot.sensors.iter().find(|sensor| sensor.name == "eye").expect("a laser");
     let expected = [0.1, -0.2, -0.5];
     assert!(eye.position.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "z down: {:?}", eye.position);
@@ -302,10 +299,10 @@ fn robots_of_a_world_are_found_by_their_names() {
         ("models/cart/model.sdf", &beside),
     ]);
     for (file, name) in [("one.world", None), ("many.world", Some("second")), ("many.world", Some("third"))] {
-        assert_cart(&files.imported(file, name).0.robot, &format!("{file}, {name:?}"));
+        assert_cart(&files.imported(file, name).robot, &format!("{file}, {name:?}"));
     }
     let listed = files.with("many.world", |of| sdf_robots(of).expect("robots"));
-    assert_eq!(listed, (vec!["first".to_owned(), "second".to_owned(), "third".to_owned()], false));
+    assert_eq!(listed, ["first", "second", "third"]);
     for (file, name, words) in [
         ("many.world", None, "3 robots: name one by --model: first, second, third"),
         ("many.world", Some("secnd"), "no model `secnd` (did you mean `second`?)"),

@@ -83,18 +83,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let bad = |error: LoadError| Failure::new(exit::BAD_DATA, error);
     let mut text = scene_loader::xml_text(file).map_err(bad)?;
     let mut packages = Packages::around(file, &arguments.packages, &searched_folders()).map_err(bad)?;
-    let (mut missing, mut wheels, mut left_out) = (Vec::new(), arguments.wheels.clone(), Vec::new());
+    let (mut missing, mut of_sdf) = (Vec::new(), None);
     // Parts of meshes lie in it until they are copied.
     let work = tempfile::tempdir().map_err(|error| failed(Path::new("temporary folder"), error))?;
     if scene_loader::is_sdf(&text) {
         let models = &folders_of_models(&arguments.models);
         let sdf = SdfFile { file, models, within: None, work: work.path() };
         let robot = scene_loader::sdf_robot(&sdf, arguments.model.as_deref()).map_err(bad)?;
-        robot.folders.into_iter().chain([work.path().to_owned()]).for_each(|folder| packages.allow(folder));
-        (text, left_out) = (robot.text, robot.left_out);
-        if wheels.is_empty() {
-            wheels = robot.wheels;
-        }
+        robot.folders.iter().map(PathBuf::as_path).chain([work.path()]).for_each(|folder| packages.allow(folder));
+        of_sdf = Some(robot);
     } else if let Some(model) = &arguments.model {
         let message = format_args!("--model {model}: {} is no SDF: expected one with models", file.display());
         return Err(Failure::new(exit::USAGE, message));
@@ -109,9 +106,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::new(exit::USAGE, message));
     }
     let drive = arguments.drive.map(WheelDrive::from);
-    let import = Import { file, text: &text, class, packages: &packages, wheels: &wheels, drive };
-    let mut imported = scene_loader::import(&import).map_err(bad)?;
-    imported.left_out.extend(left_out);
+    let import = Import { file, text: &text, class, packages: &packages, wheels: &arguments.wheels, drive };
+    let imported = of_sdf.map_or_else(|| scene_loader::import(&import), |robot| robot.import(&import));
+    let mut imported = imported.map_err(bad)?;
     let unfound = |name: &String| {
         format!(
             "package `{name}` is not found, so its files are not included: name its folder by --package {name}=FOLDER"

@@ -105,8 +105,8 @@ impl Packages {
     }
 
     /// Allows the files of a folder.
-    pub fn allow(&mut self, folder: PathBuf) {
-        self.allowed.push(normalized(&folder));
+    pub fn allow(&mut self, folder: &Path) {
+        self.allowed.push(normalized(folder));
     }
 
     /// Returns the packages with their folders.

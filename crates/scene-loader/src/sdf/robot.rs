@@ -18,6 +18,7 @@ use super::models::{Models, well_known};
 use super::reading::{self, Included, MAX_DEPTH, MAX_INCLUDED, MAX_NODES, Place};
 use super::{ROOTS, child, children, is_true, number_of, numbers, text_of};
 use crate::LoadError;
+use crate::import::{Import, Imported, import};
 use crate::problem::Problems;
 use crate::source::Source;
 use crate::xml;
@@ -69,18 +70,38 @@ pub struct SdfRobot {
     pub left_out: Vec<String>,
 }
 
+impl SdfRobot {
+    /// Imports the robot with these settings, whose text does not count. Without wheels it has those that a plugin names.
+    ///
+    /// # Errors
+    /// Does as [`import`] does.
+    pub fn import(&self, settings: &Import) -> Result<Imported, LoadError> {
+        let wheels = if settings.wheels.is_empty() { &self.wheels } else { settings.wheels };
+        let mut imported = import(&Import { text: &self.text, wheels, ..*settings })?;
+        imported.left_out.extend_from_slice(&self.left_out);
+        Ok(imported)
+    }
+}
+
 /// True if a text is SDF.
 pub fn is_sdf(text: &str) -> bool {
     xml::parse(text, MAX_NODES).is_ok_and(|document| ROOTS.contains(&document.root_element().tag_name().name()))
 }
 
-/// Lists the models of a file that could be robots: those with joints that move. True if the file is one model and no world.
+/// True if a text is SDF of models and of no world.
+pub fn is_sdf_model(text: &str) -> bool {
+    xml::parse(text, MAX_NODES).is_ok_and(|document| {
+        let root = document.root_element();
+        ROOTS.contains(&root.tag_name().name()) && child(root, "world").is_none()
+    })
+}
+
+/// Lists the models of a file that could be robots: those with joints that move.
 ///
 /// # Errors
 /// Reports a file that cannot be read, and all its problems.
-pub fn sdf_robots(of: &SdfFile) -> Result<(Vec<String>, bool), LoadError> {
-    let found = read(of, None)?;
-    Ok((found.robots, found.is_model))
+pub fn sdf_robots(of: &SdfFile) -> Result<Vec<String>, LoadError> {
+    Ok(read(of, None)?.robots)
 }
 
 /// Makes a URDF of the model with this name. Without a name it is the only robot of the file, or its only model.

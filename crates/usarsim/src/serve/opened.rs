@@ -116,7 +116,8 @@ pub(super) fn robot_of_text(text: &str, drive_model: Option<DriveModel>) -> Resu
 /// True if a file of SDF is one model with joints that move: a world is a map, whatever is in it.
 fn is_robot(root: &Path, work: &Path, file: &Path) -> bool {
     let sdf = SdfFile { file, models: &[], within: Some(root), work };
-    scene_loader::sdf_robots(&sdf).is_ok_and(|(robots, is_model)| is_model && !robots.is_empty())
+    let is_model = scene_loader::xml_text(file).is_ok_and(|text| scene_loader::is_sdf_model(&text));
+    is_model && scene_loader::sdf_robots(&sdf).is_ok_and(|robots| !robots.is_empty())
 }
 
 fn robot(root: &Path, work: &Path, file: &Path, drive_model: Option<DriveModel>) -> Result<Opened, String> {
@@ -134,22 +135,22 @@ fn robot(root: &Path, work: &Path, file: &Path, drive_model: Option<DriveModel>)
 /// Reads a robot from its URDF or SDF.
 fn read(sdf: &SdfFile, mut packages: Packages, drive_model: Option<DriveModel>) -> Result<Imported, String> {
     let file = sdf.file;
-    let mut text = scene_loader::xml_text(file).map_err(|error| error.to_string())?;
-    let (mut wheels, mut also_left_out) = (Vec::new(), Vec::new());
+    let text = scene_loader::xml_text(file).map_err(|error| error.to_string())?;
+    let mut of_sdf = None;
     if scene_loader::is_sdf(&text) {
-        let robot = scene_loader::sdf_robot(sdf, None).map_err(|error| error.to_string())?;
-        packages.allow(sdf.work.to_owned());
-        (text, wheels, also_left_out) = (robot.text, robot.wheels, robot.left_out);
+        of_sdf = Some(scene_loader::sdf_robot(sdf, None).map_err(|error| error.to_string())?);
+        packages.allow(sdf.work);
     } else if xacro::is_used(&text) {
         let name = file.file_name().unwrap_or_default().display().to_string();
         return Err(format!(
             "{name} is a program of xacro, which no server runs for a page: drop what `xacro {name}` prints"
         ));
     }
-    let class = &scene_loader::urdf_name(&text).and_then(|name| plain(&name)).unwrap_or_else(|| name_of(file, "Robot"));
-    let import = Import { file, text: &text, class, packages: &packages, wheels: &wheels, drive: None };
-    let mut imported = scene_loader::import(&import).map_err(|error| error.to_string())?;
-    imported.left_out.extend(also_left_out);
+    let name = of_sdf.as_ref().map_or_else(|| scene_loader::urdf_name(&text), |robot| Some(robot.name.clone()));
+    let class = &name.and_then(|name| plain(&name)).unwrap_or_else(|| name_of(file, "Robot"));
+    let import = Import { file, text: &text, class, packages: &packages, wheels: &[], drive: None };
+    let imported = of_sdf.map_or_else(|| scene_loader::import(&import), |robot| robot.import(&import));
+    let mut imported = imported.map_err(|error| error.to_string())?;
     if drive_model.is_some() {
         imported.robot.set_drive_model(drive_model);
     }
