@@ -101,15 +101,17 @@ fn only(names: &[String]) -> Result<&String, NotOpened> {
     }
 }
 
-/// Makes a robot of a URDF that a node of ROS sends. Its meshes are those of the packages that this machine has.
+/// Makes a robot of a URDF or SDF that a node of ROS sends. Meshes of a URDF are those of the packages that this machine has; SDF names
+/// files anywhere, of which none is read.
 #[cfg(feature = "ros2")]
 pub(super) fn robot_of_text(text: &str, drive_model: Option<DriveModel>) -> Result<RobotDef, String> {
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
-    let file = folder.path().join("robot.urdf");
+    let within = &folder.path().canonicalize().map_err(|error| error.to_string())?;
+    let file = within.join("robot.urdf");
     std::fs::write(&file, text).map_err(|error| error.to_string())?;
     let packages = Packages::around(&file, &[], &import::searched_folders()).map_err(|error| error.to_string())?;
     let shown = |why: String| why.replace(&file.display().to_string(), "robot.urdf");
-    let sdf = SdfFile { file: &file, models: &[], within: None, work: folder.path() };
+    let sdf = SdfFile { file: &file, models: &[], within: Some(within), work: within };
     read(&sdf, packages, drive_model).map(|imported| imported.robot).map_err(shown)
 }
 
@@ -188,4 +190,26 @@ fn plain(name: &str) -> Option<String> {
     let plain = |c: char| if c.is_ascii_alphanumeric() || "_-".contains(c) { c } else { '_' };
     let name: String = name.trim().chars().take(MAX_NAME).map(plain).collect();
     Some(name.trim_matches(['_', '-']).to_owned()).filter(|name| !name.is_empty())
+}
+
+#[cfg(all(test, feature = "ros2"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_of_sdf_reads_no_file_of_the_machine() {
+        let elsewhere = tempfile::tempdir().expect("a folder");
+        let mesh = elsewhere.path().join("secret.obj");
+        std::fs::write(&mesh, "o part\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+            .expect("a file");
+        let uri = format!("<uri>file://{}</uri>", mesh.display());
+        for inside in [uri.clone(), uri + "<submesh><name>part</name></submesh>"] {
+            let text = format!(
+                "<sdf version='1.9'><model name='m'><link name='l'><collision name='c'><geometry><mesh>{inside}</mesh></geometry>\
+                 </collision></link></model></sdf>"
+            );
+            let robot = robot_of_text(&text, None).expect("a robot");
+            assert!(robot.links.iter().all(|link| link.solids.is_empty()), "{inside}");
+        }
+    }
 }
