@@ -1,6 +1,5 @@
 //! Rolling resistance of driven plain wheels against its closed forms: a moment N c R about the axle.
 
-use nalgebra::{UnitQuaternion, Vector3};
 use scene::{DriveModel, Motor, RobotDef, WorldDef};
 use sim_core::{Options, World};
 use system_tests::{apply, init, run};
@@ -12,12 +11,16 @@ const STEP: f64 = 0.002;
 /// Returns a world of a flat floor that rises ahead by an angle, rad, with one class. All wheels on it have this coefficient, and its motors
 /// are changed.
 fn world(class: &str, slope: f64, coefficient: f64, change: impl FnMut(&mut Motor)) -> World {
+    World::new(def(class, [0.0, slope, 0.0], coefficient, change), Options { time_step: STEP, ..Options::default() })
+}
+
+/// Returns the definition of such a world, of a floor that is turned about x, y and z, rad.
+fn def(class: &str, turn: [f64; 3], coefficient: f64, change: impl FnMut(&mut Motor)) -> WorldDef {
     let mut def: WorldDef = scene_loader::load("smooth", &[]).expect("a map");
     for solid in &mut def.map.solids {
         solid.material.rolling_resistance = coefficient;
         solid.material.friction = 1.0;
-        let up = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), slope);
-        (solid.position, solid.rotation) = ([0.0; 3], up.euler_angles().into());
+        (solid.position, solid.rotation) = ([0.0; 3], turn);
     }
     let mut robot: RobotDef = scene_loader::robot(class, &[]).expect("a robot");
     robot.wheels_mut().for_each(|wheel| (wheel.material.rolling_resistance, wheel.material.friction) = (0.0, 1.0));
@@ -28,7 +31,7 @@ fn world(class: &str, slope: f64, coefficient: f64, change: impl FnMut(&mut Moto
         (solid.material.linear_damping, solid.material.angular_damping) = (0.0, 0.0);
     }
     def.robots = [(class.to_owned(), robot)].into();
-    World::new(def, Options { time_step: STEP, ..Options::default() })
+    def
 }
 
 /// Spawns the class and returns the way that it goes ahead in some seconds after a second of rest, m, for a command.
@@ -116,5 +119,44 @@ fn a_turn_on_the_spot_does_not_depend_on_rolling_resistance() {
         let [without, with] = [0.0, 0.05].map(turned);
         println!("{class}: {without:.5} rad/s, with resistance {with:.5}");
         assert!((with / without - 1.0).abs() < 2e-3, "{class}: {without}, {with}");
+    }
+}
+
+/// Rollers turn at sqrt(2) times the speed of a robot that goes sideways, and stand still ahead. So dry friction of their bearings brakes it
+/// by sqrt(2) times the coefficient, sideways alone.
+#[test]
+fn rollers_that_turn_brake_a_robot_that_coasts_sideways() {
+    let slope = 0.1_f64;
+    for model in [DriveModel::Articulated, DriveModel::Analytic] {
+        // Speed gained between 1 and 2 s, as a share of g sin a, for a slope ahead and one to the side.
+        let gained = |bearing_friction: f64| {
+            let class = "YouBot";
+            let ways = [[0.0, slope, 0.0], [slope, 0.0, 0.0]];
+            ways.map(|turn| {
+                let mut def = def(class, turn, 0.0, without_torque);
+                let robot = def.robots.get_mut(class).expect("a class");
+                robot.set_drive_model(Some(model));
+                for rollers in robot.wheels_mut().filter_map(|wheel| wheel.rollers.as_mut()) {
+                    (rollers.bearing_friction, rollers.damping) = (bearing_friction, 1e-9);
+                    rollers.material.rolling_resistance = 0.0;
+                    // A roller that lands is at rest, and a heavy one takes energy to turn. Few rollers lose some at every change.
+                    (rollers.mass, rollers.count, rollers.last_phase) = (0.001, 24, std::f64::consts::PI / 24.0);
+                }
+                let mut world = World::new(def, Options { time_step: STEP, ..Options::default() });
+                init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,0}}"));
+                let mut speed = |seconds: f64| (run(&mut world, seconds), world.snapshot().robots[0].body.linear.norm()).1;
+                let before = speed(1.0);
+                (speed(1.0) - before) / (GRAVITY * slope.sin())
+            })
+        };
+        let free = gained(0.0);
+        for coefficient in [0.01, 0.03, 0.05] {
+            let braked = gained(coefficient);
+            let shares = [0, 1].map(|way| (1.0 - braked[way] / free[way]) * slope.tan());
+            println!("{model:?}, {coefficient}: {shares:.5?} of g, free {free:.4?}");
+            assert!(shares[0].abs() < 2e-4, "{model:?} ahead: {}", shares[0]);
+            let expected = 2.0_f64.sqrt() * coefficient;
+            assert!((shares[1] - expected).abs() < 5e-4, "{model:?} sideways: {}, not {expected}", shares[1]);
+        }
     }
 }

@@ -261,6 +261,11 @@ impl Body {
         }
     }
 
+    /// Applies a torque, N m, or force, N, between a joint's two links in the coming step, by degree of freedom.
+    pub fn load(&mut self, dof: usize, effort: f64) {
+        self.force[dof] += effort;
+    }
+
     /// Computes the kinetic energy, J.
     pub fn kinetic_energy(&self) -> f64 {
         let of_link = |(link, frame): (&crate::Link, &Frame)| {

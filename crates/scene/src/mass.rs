@@ -152,6 +152,7 @@ mod tests {
             last_phase: PI / 6.0,
             mass: 1.0,
             damping: 0.0,
+            bearing_friction: 0.0,
             material: Material::default(),
         };
         let (end, end_radius) =

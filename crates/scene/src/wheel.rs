@@ -148,6 +148,9 @@ pub struct Rollers {
     pub mass: f64,
     /// Viscous friction of the bearing, N m s/rad.
     pub damping: f64,
+    /// Dry friction of the bearing: force at the rim of a roller that turns over its load.
+    #[serde(default)]
+    pub bearing_friction: f64,
     /// Material of a roller.
     pub material: Material,
 }
@@ -227,6 +230,7 @@ mod tests {
                 last_phase: PI / 6.0,
                 mass: 0.1,
                 damping: 0.0,
+                bearing_friction: 0.0,
                 material,
             };
             for (index, ([x, z], axis)) in (0..).zip(table) {

@@ -474,6 +474,7 @@ impl Guess<'_> {
                 last_phase: std::f64::consts::PI / f64::from(ROLLERS),
                 mass,
                 damping: ROLLER_DAMPING,
+                bearing_friction: 0.0,
                 material: material.clone(),
             });
         }

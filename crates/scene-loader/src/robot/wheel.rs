@@ -52,6 +52,8 @@ pub(super) struct RollersEntry {
     half_length: Option<f64>,
     mass: f64,
     damping: f64,
+    #[serde(default)]
+    bearing_friction: f64,
     material: String,
     /// Friction instead of the material's.
     friction: Option<f64>,
@@ -202,9 +204,19 @@ fn read_rollers(
         document.within(place, "friction", friction, check::FRICTION);
         material.friction = friction;
     }
-    let RollersEntry { count, axis_circle, mass, damping, .. } = *entry;
+    let RollersEntry { count, axis_circle, mass, damping, bearing_friction, .. } = *entry;
     let last_phase = std::f64::consts::PI / f64::from(count);
-    let mut rollers = Rollers { count, axis_circle, angle, first_roller: 0.0, last_phase, mass, damping, material };
+    let mut rollers = Rollers {
+        count,
+        axis_circle,
+        angle,
+        first_roller: 0.0,
+        last_phase,
+        mass,
+        damping,
+        bearing_friction,
+        material,
+    };
     // An invalid wheel radius or roller angle is reported by itself, not as a problem of the rollers.
     let sound = check::WHEEL_RADIUS.holds(wheel_radius) && check::ROLLER_ANGLE.holds(angle.abs());
     let wrong = if sound { check::rollers(&rollers, wheel_radius) } else { Vec::new() };

@@ -295,6 +295,7 @@ pub fn rollers(def: &Rollers, wheel_radius: f64) -> Vec<String> {
         (ROLLER_COUNT, "count", f64::from(def.count)),
         (ROLLER_MASS, "mass", def.mass),
         (ROLLER_DAMPING, "damping", def.damping),
+        (SHARE, "bearing_friction", def.bearing_friction),
     ] {
         wrong.extend(range.problem(key, value));
     }

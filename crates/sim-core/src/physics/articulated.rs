@@ -219,8 +219,11 @@ impl ArticulatedRobot {
         self.bounds.is_known = false;
     }
 
-    /// Applies servos, gravity and rolling resistance for the coming step.
+    /// Applies servos, gravity, rolling resistance and friction of bearings for the coming step.
     fn before_step(&mut self, gravity: Vector3<f64>, time_step: f64) {
+        if self.compiled.following.is_none() {
+            self.brake_rollers(gravity, time_step);
+        }
         let Self { compiled, body, servos, targets, loads, resistances, .. } = self;
         body.set_gravity(if self.flies { Vector3::zeros() } else { gravity });
         motor::follow_targets(compiled.joints.iter().map(|joint| &joint.value), targets, servos);
@@ -247,7 +250,7 @@ impl ArticulatedRobot {
                 let (ahead, axle) = (frame.rotation * Vector3::x(), frame.rotation * Vector3::from(WHEEL_AXIS));
                 let dof = body.tree().dof_of(driven.link);
                 let speed = driven.radius * body.velocity()[dof] + ahead.dot(&fall);
-                let moment = load.moment(driven, speed, share, time_step);
+                let moment = load.moment(driven.radius, speed, share, time_step);
                 body.twist(driven.link, axle * moment);
                 continue;
             }

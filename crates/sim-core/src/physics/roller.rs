@@ -225,6 +225,7 @@ mod tests {
             last_phase: PI / 6.0,
             mass: 0.1,
             damping: 0.0,
+            bearing_friction: 0.0,
             material,
         };
         RollerShape::new(&rollers, 0.05)

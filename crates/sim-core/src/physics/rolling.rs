@@ -2,7 +2,7 @@
 //!
 //! So it is a moment on a driven wheel, which its motor gives or which brakes it: it moves no hub, and costs a wheel that slides no friction.
 //! On a wheel that turns freely the moment is that of a force against the motion of its hub, which is how casters and Mecanum wheels are
-//! braked. `bodies` brakes all wheels so: the engine's contacts do not feel the servo that would give the moment.
+//! braked (docs/kinematics.md). Bearings of rollers brake these by a moment of their own. `bodies` brakes all wheels so: the engine's contacts do not feel the servo that would give the moment.
 //!
 //! The coefficient of a pair is the sum of both materials', as both are deformed. The load is that of the last step.
 
@@ -46,11 +46,11 @@ impl Load {
         if speed > 0.0 { -along * (self.resistance.min(mass * speed) / speed) / time_step } else { Vector3::zeros() }
     }
 
-    /// Computes the moment on a driven wheel about its axle in a step, N m. `speed` is that of its rim without it, m/s. It is no more than stops
-    /// the wheel with its share of the robot's mass, kg.
-    pub(super) fn moment(&self, wheel: Driven, speed: f64, mass: f64, time_step: f64) -> f64 {
+    /// Computes the moment on a driven wheel, or on a roller, about its axle in a step, N m. `speed` is that of its rim without it, m/s. It is
+    /// no more than stops the wheel with its share of the robot's mass, kg.
+    pub(super) fn moment(&self, radius: f64, speed: f64, mass: f64, time_step: f64) -> f64 {
         let impulse = (mass * speed).clamp(-self.resistance, self.resistance);
-        -impulse * wheel.radius / time_step
+        -impulse * radius / time_step
     }
 }
 
@@ -71,9 +71,8 @@ mod tests {
 
     #[test]
     fn a_driven_wheel_is_braked_about_its_axle() {
-        let wheel = Driven { link: 0, radius: 0.1 };
         for (speed, expected) in [(3.0, -0.2), (-3.0, 0.2), (0.001, -0.1), (0.0, 0.0)] {
-            let moment = LOAD.moment(wheel, speed, 10.0, 0.01);
+            let moment = LOAD.moment(0.1, speed, 10.0, 0.01);
             assert!((moment - expected).abs() < 1e-12, "{speed} m/s: {moment} N m");
         }
     }

@@ -53,8 +53,10 @@ pub(super) struct Ring {
     /// Link of the first roller, with the others behind it. `None` if rollers are not links: then their mass is on the wheel and they turn
     /// without inertia.
     pub(super) first_link: Option<usize>,
-    /// Bearing friction of a roller, N m s/rad.
+    /// Viscous friction of a roller's bearing, N m s/rad.
     pub(super) damping: f64,
+    /// Dry friction of the bearing: force at the rim over the load.
+    pub(super) bearing_friction: f64,
 }
 
 /// A joint that has a value.
@@ -193,7 +195,8 @@ impl Articulated {
             (Some(_), Some(rollers)) => {
                 let first_link = rollers_are_links(def).then(|| add_rollers(rollers, radius, link, links));
                 let shape = RollerRing::new(rollers, radius);
-                self.rings.push(Ring { shape, wheel: link, first_link, damping: rollers.damping });
+                let Rollers { damping, bearing_friction, .. } = *rollers;
+                self.rings.push(Ring { shape, wheel: link, first_link, damping, bearing_friction });
                 (Form::Rollers(self.rings.len() - 1), &rollers.material)
             }
         };

@@ -136,6 +136,35 @@ impl ArticulatedRobot {
         }
     }
 
+    /// Brakes the rollers that carry by the dry friction of their bearings, under the loads of the last step: a moment between roller and
+    /// wheel, or, without links, a force along the way that the roller turns. It is no more than stops the robot's motion along that way.
+    pub(super) fn brake_rollers(&mut self, gravity: Vector3<f64>, time_step: f64) {
+        let compiled = self.compiled.clone();
+        let has_ring = |surface: &Surface| matches!(surface.form, Form::Rollers(_));
+        for (number, surface) in compiled.surfaces.iter().enumerate().filter(|(_, surface)| has_ring(surface)) {
+            let (Form::Rollers(ring), Some(wheel)) = (surface.form, surface.wheel) else { continue };
+            let ring = &compiled.rings[ring];
+            let Load { normal, .. } = self.loads[wheel];
+            if ring.bearing_friction == 0.0 || normal == Vector3::zeros() {
+                continue;
+            }
+            let touching = self.found.iter().filter(|it| it.key.surface == number);
+            let nearest = touching.min_by(|one, other| one.touch.gap.total_cmp(&other.touch.gap));
+            let Some((touch, roller)) = nearest.and_then(|it| Some((it.touch, it.touch.roller?))) else { continue };
+            let load = Load { normal, resistance: ring.bearing_friction * normal.norm() };
+            let share = compiled.mass / compiled.rings.len() as f64;
+            let Some(across) = touch.normal.cross(&roller.axis).try_normalize(1e-6) else { continue };
+            let passing = across.dot(&(self.body.velocity_at(ring.wheel, touch.point) + gravity * time_step));
+            if let Some(first) = ring.first_link {
+                // A roller that just landed turns a step later.
+                let moment = load.moment(roller.radius, -passing, share, time_step);
+                self.body.load(self.body.tree().dof_of(first + roller.index), moment);
+            } else {
+                self.body.push(ring.wheel, touch.point, load.force(across * passing, share, time_step));
+            }
+        }
+    }
+
     /// Drops the contacts, impulses and loads of the last step.
     pub(super) fn forget(&mut self) {
         self.contacts.clear();

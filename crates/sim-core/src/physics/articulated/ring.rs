@@ -223,6 +223,7 @@ mod tests {
                 last_phase: PI / 5.0,
                 mass: 0.1,
                 damping: 0.0,
+                bearing_friction: 0.0,
                 material,
             };
             let ring = RollerRing::new(&rollers, 0.05);
