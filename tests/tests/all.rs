@@ -48,6 +48,7 @@ mod spawning;
 mod threads;
 mod tools;
 mod tracks;
+mod tyres;
 mod urdf;
 mod vacuum;
 mod validation;

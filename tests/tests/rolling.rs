@@ -144,7 +144,8 @@ fn rollers_that_turn_brake_a_robot_that_coasts_sideways() {
                 }
                 let mut world = World::new(def, Options { time_step: STEP, ..Options::default() });
                 init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,0}}"));
-                let mut speed = |seconds: f64| (run(&mut world, seconds), world.snapshot().robots[0].body.linear.norm()).1;
+                let mut speed =
+                    |seconds: f64| (run(&mut world, seconds), world.snapshot().robots[0].body.linear.norm()).1;
                 let before = speed(1.0);
                 (speed(1.0) - before) / (GRAVITY * slope.sin())
             })

@@ -351,7 +351,7 @@ pub(crate) fn drive_command(speeds: [f64; 4]) -> Command {
     drive(&std::array::from_fn::<_, 4, _>(|wheel| (keys[wheel], speeds[wheel])))
 }
 
-fn drive(values: &[(&str, f64)]) -> Command {
+pub(crate) fn drive(values: &[(&str, f64)]) -> Command {
     Command::Drive(values.iter().fold(Drive::default(), |drive, (key, value)| drive.with(key, *value)))
 }
 

@@ -14,6 +14,7 @@ mod crowd;
 pub mod fit;
 pub mod plan;
 pub mod plot;
+pub mod real;
 mod reference;
 pub mod report;
 pub mod run;

@@ -257,6 +257,7 @@ platform_velocity_controller:
                 material: scene::Material::default(),
                 rollers: None,
                 belt: None,
+                tyre: None,
             };
             links.push(scene::Link::of_wheel(format!("wheel {y}"), [0.0, y, 0.0], Some(motor.clone()), wheel));
         }

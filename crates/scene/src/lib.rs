@@ -43,7 +43,7 @@
 //! let (left, right) = (Side::Left, Side::Right);
 //! for (name, x, y, side) in [("FL", 0.15, -0.2, left), ("FR", 0.15, 0.2, right), ("BL", -0.15, -0.2, left), ("BR", -0.15, 0.2, right)] {
 //!     let motor = Motor { max_speed: 10.0, gain: 50.0, max_torque: 20.0, stiffness: None, integral_time: Some(0.05), armature: 0.0 };
-//!     let wheel = Wheel { side, radius: 0.1, width: 0.05, mass: 0.5, material: material.clone(), rollers: None, belt: None };
+//!     let wheel = Wheel { side, radius: 0.1, width: 0.05, mass: 0.5, material: material.clone(), rollers: None, belt: None, tyre: None };
 //!     links.push(Link::of_wheel(name.to_owned(), [x, y, 0.03], Some(motor), wheel));
 //! }
 //! let cart = RobotDef::new("Cart", Steering::Skid, links);
@@ -87,6 +87,7 @@ pub mod sensor;
 mod shape;
 mod state;
 mod stored;
+mod tyre;
 mod wheel;
 
 use std::collections::BTreeMap;
@@ -117,6 +118,7 @@ pub use shape::{Shape, Solid};
 pub use state::{
     BodyState, Contact, JointState, ObjectId, ObjectSnapshot, PawnId, RobotSnapshot, Snapshot, WheelState,
 };
+pub use tyre::{Tyre, isotropic};
 pub use wheel::{Motor, MountedWheel, Rollers, Wheel};
 
 /// Position and orientation.

@@ -71,7 +71,7 @@ impl From<Robot> for RobotDef {
                     name,
                     position,
                     drive,
-                    Wheel { side, radius, width, mass, material, rollers, belt: None },
+                    Wheel { side, radius, width, mass, material, rollers, belt: None, tyre: None },
                 )
             }));
         }

@@ -6,7 +6,7 @@ use std::ops::Deref;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::{Belt, JointKind, Link, Material, Pose, Side, pose};
+use crate::{Belt, JointKind, Link, Material, Pose, Side, Tyre, pose};
 
 /// A wheel on a joint: it rolls about the robot's y axis, or, as a caster, is a ball.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,6 +27,9 @@ pub struct Wheel {
     /// whole track.
     #[serde(default)]
     pub belt: Option<Belt>,
+    /// Elastic tread of a driven wheel without rollers or belt; without one it is a rigid disc. The drive model `articulated` alone has it.
+    #[serde(default)]
+    pub tyre: Option<Tyre>,
 }
 
 /// A wheel and the joint that carries it.

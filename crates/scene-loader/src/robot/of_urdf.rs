@@ -321,6 +321,7 @@ impl Guess<'_> {
                 material: (self.material)(TYRE),
                 rollers: None,
                 belt: None,
+                tyre: None,
             };
             let drive = motor(continuous, mass, radius);
             let mut made = Link::of_wheel(link.name.clone(), position, Some(drive), wheel);
@@ -530,7 +531,16 @@ impl Guess<'_> {
         let side = if position[1] < 0.0 { Side::Left } else { Side::Right };
         let mass = (BALL_MASS * self.mass()).max(check::WHEEL_MASS.least);
         let width = 2.0 * radius;
-        let wheel = Wheel { side, radius, width, mass, material: (self.material)(CASTER), rollers: None, belt: None };
+        let wheel = Wheel {
+            side,
+            radius,
+            width,
+            mass,
+            material: (self.material)(CASTER),
+            rollers: None,
+            belt: None,
+            tyre: None,
+        };
         let mut name = format!("{of}_ball");
         while self.balls.iter().any(|ball| ball.name == name) {
             name.push('_');

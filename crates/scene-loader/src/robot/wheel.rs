@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use names::{did_you_mean, listed};
-use scene::{Link, Motor, MountedWheel, Rollers, Side, Wheel, check};
+use scene::{Link, Motor, MountedWheel, Rollers, Side, Tyre, Wheel, check};
 use serde::Deserialize;
 
 use super::joint::Links;
@@ -31,10 +31,28 @@ pub(super) struct WheelEntry {
     pub(super) torque_constant: Option<f64>,
     pub(super) max_current: Option<f64>,
     pub(super) rotor_inertia: Option<f64>,
+    pub(super) tyre: Option<TyreEntry>,
     pub(super) roller_angle: Option<f64>,
     pub(super) first_roller: Option<f64>,
     /// Link that carries it; without one, the body.
     pub(super) link: Option<String>,
+}
+
+/// Numbers of a tyre.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TyreEntry {
+    stiffness: [f64; 2],
+    patch: [f64; 2],
+    relaxation: Option<f64>,
+    #[serde(default = "scene::isotropic")]
+    friction: [f64; 2],
+}
+
+impl From<TyreEntry> for Tyre {
+    fn from(TyreEntry { stiffness, patch, relaxation, friction }: TyreEntry) -> Self {
+        Self { stiffness, patch, relaxation: relaxation.unwrap_or(patch[0]), friction }
+    }
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -157,7 +175,8 @@ pub(super) fn read_wheel(
     };
     let motor =
         Motor { max_speed: max_speed?, gain: gain?, max_torque: max_torque?, stiffness: None, integral_time, armature };
-    let wheel = Wheel { side, radius: radius?, width: width?, mass: mass?, material, rollers, belt: None };
+    let tyre = entry.tyre.or(common.tyre).map(Tyre::from);
+    let wheel = Wheel { side, radius: radius?, width: width?, mass: mass?, material, rollers, belt: None, tyre };
     let mut wheel = Link::of_wheel(entry.name?, position?, Some(motor), wheel);
     if let (Some(link), Some(joint)) = (link, joint) {
         wheel.visuals.clone_from(&link.visuals);
@@ -206,17 +225,8 @@ fn read_rollers(
     }
     let RollersEntry { count, axis_circle, mass, damping, bearing_friction, .. } = *entry;
     let last_phase = std::f64::consts::PI / f64::from(count);
-    let mut rollers = Rollers {
-        count,
-        axis_circle,
-        angle,
-        first_roller: 0.0,
-        last_phase,
-        mass,
-        damping,
-        bearing_friction,
-        material,
-    };
+    let mut rollers =
+        Rollers { count, axis_circle, angle, first_roller: 0.0, last_phase, mass, damping, bearing_friction, material };
     // An invalid wheel radius or roller angle is reported by itself, not as a problem of the rollers.
     let sound = check::WHEEL_RADIUS.holds(wheel_radius) && check::ROLLER_ANGLE.holds(angle.abs());
     let wrong = if sound { check::rollers(&rollers, wheel_radius) } else { Vec::new() };
@@ -274,7 +284,7 @@ pub(super) fn read_casters<'a>(
         let side = if position[1] < 0.0 { Side::Left } else { Side::Right };
         let material = document.material(&span, &material, materials);
         let width = 2.0 * radius;
-        let wheel = Wheel { side, radius, width, mass, material, rollers: None, belt: None };
+        let wheel = Wheel { side, radius, width, mass, material, rollers: None, belt: None, tyre: None };
         let mut caster = Link::of_wheel(name, position, None, wheel);
         if let Some(joint) = &mut caster.joint {
             joint.parent = parent;

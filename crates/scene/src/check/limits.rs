@@ -68,6 +68,14 @@ pub(super) const TRIANGLE_TOLERANCE: f64 = 0.01;
 pub(super) const LEAST_GYRATION: f64 = 0.01;
 /// Radius of a wheel; its crown alone protrudes by 2 mm.
 pub const WHEEL_RADIUS: Range = Range { least: 0.004, most: 10.0, unit: " m" };
+/// Slip stiffness of a tyre: force over load and slip. Tyres have 3 to 30, and a rigid disc has no limit.
+pub const SLIP_STIFFNESS: Range = Range { least: 1.0, most: 1e4, unit: "" };
+/// Friction of a tyre along or across over that of the materials.
+pub const FRICTION_RATIO: Range = Range { least: 0.1, most: 10.0, unit: "" };
+/// Way on which a tyre's force follows a change of slip.
+pub const RELAXATION: Range = Range { least: 1e-3, most: 1.0, unit: " m" };
+/// Least half length and half width of a contact patch, m.
+pub(super) const LEAST_PATCH: f64 = 1e-3;
 /// Width of a wheel.
 pub const WHEEL_WIDTH: Range = Range { least: 0.001, most: 20.0, unit: " m" };
 /// Least distance of a driven wheel from the middle of the robot, toward its side, and of a Mecanum wheel toward its end.

@@ -8,8 +8,8 @@ use super::shape::{hull_points, shape, solid, triangles};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
 use crate::{
     Actuator, Aerial, Battery, Belt, Coupling, CouplingKind, Drivetrain, Gripper, Joint, JointKind, Link, Motor,
-    MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Tool, ToolChanger, Vacuum, Visual,
-    WHEEL_AXIS, Wheel,
+    MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Tool, ToolChanger, Tyre, Vacuum,
+    Visual, WHEEL_AXIS, Wheel,
 };
 
 /// Checks a whole class.
@@ -226,6 +226,32 @@ pub fn wheel(def: &MountedWheel) -> Vec<String> {
         wrong.push("a caster with rollers or a belt: expected a ball".to_owned());
     }
     wrong.extend(def.belt.iter().flat_map(|belt| self::belt(belt, def)));
+    wrong.extend(def.tyre.iter().flat_map(|tyre| self::tyre(tyre, def)));
+    wrong
+}
+
+/// Lists the problems of a tyre on a wheel.
+fn tyre(def: &Tyre, wheel: &MountedWheel) -> Vec<String> {
+    let mut wrong = Vec::new();
+    if wheel.drive.is_none() || wheel.rollers.is_some() || wheel.belt.is_some() {
+        wrong.push("`tyre`: expected a driven wheel without rollers or belt".to_owned());
+    }
+    wrong.extend(SLIP_STIFFNESS.problem_in("stiffness", &def.stiffness));
+    wrong.extend(FRICTION_RATIO.problem_in("friction", &def.friction));
+    wrong.extend(RELAXATION.problem("relaxation", def.relaxation));
+    // With a friction of 1 a tread slides as a whole when it is bent by this.
+    let bent = 3.0 * def.relaxation / def.stiffness[0].min(def.stiffness[1]);
+    if wrong.is_empty() && bent > wheel.radius {
+        let (got, most) = (Number(def.relaxation), Number(def.relaxation * wheel.radius / bent));
+        wrong.push(format!("`relaxation` is {got}: expected at most {most} m, a third of stiffness times radius"));
+    }
+    // The patch is a part of the wheel.
+    for (key, value, most) in [("length", def.patch[0], wheel.radius), ("width", def.patch[1], wheel.width)] {
+        if !(LEAST_PATCH..=most).contains(&value) {
+            let got = Number(value);
+            wrong.push(format!("half {key} in `patch` is {got}: expected {LEAST_PATCH} to {most} m"));
+        }
+    }
     wrong
 }
 

@@ -28,7 +28,8 @@ pub(crate) fn cart_on_a_plane() -> WorldDef {
             armature: 0.0,
         };
         let material = material.clone();
-        let wheel = Wheel { side, radius: 0.1, width: 0.05, mass: 0.5, material, rollers: None, belt: None };
+        let wheel =
+            Wheel { side, radius: 0.1, width: 0.05, mass: 0.5, material, rollers: None, belt: None, tyre: None };
         Link::of_wheel(name.to_owned(), [x, y, 0.03], Some(motor), wheel)
     };
     let links = vec![

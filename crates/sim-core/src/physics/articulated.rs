@@ -15,6 +15,7 @@ mod shape_contact;
 mod step_input;
 mod together;
 mod track;
+mod tyre;
 mod wheel;
 
 use std::sync::Arc;
@@ -42,6 +43,7 @@ pub(super) use object::{MovableObject, uniform};
 pub(crate) use saved::{SavedObject, SavedTree};
 pub(super) use step_input::StepInput;
 pub(super) use together::solve;
+use tyre::{Deflection, Grip};
 
 /// Time over which the end of a joint gives way, s. A joint beyond its end returns within it.
 const END_TIME: f64 = 0.02;
@@ -94,6 +96,9 @@ pub(crate) struct ArticulatedRobot {
     /// Contacts of the current step that this robot holds, and impulses of those of the last step.
     found: Vec<CandidateContact>,
     known: Vec<(Key, Vector3<f64>)>,
+    /// Tyres in contact in the current step, and deflections of those of the last step.
+    grips: Vec<(Key, Grip)>,
+    deflections: Vec<(Key, Deflection)>,
     /// The engine's bodies of the links, with their colliders.
     in_engine: Vec<(RigidBodyHandle, Vec<(ColliderHandle, usize)>)>,
     /// A box, and the fixed colliders near it. They are valid until the robot leaves the box.
@@ -159,6 +164,8 @@ impl ArticulatedRobot {
             flies: false,
             found: Vec::new(),
             known: Vec::new(),
+            grips: Vec::new(),
+            deflections: Vec::new(),
             in_engine,
             near: None,
             compiled,

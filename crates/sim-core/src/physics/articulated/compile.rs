@@ -16,6 +16,7 @@ use super::form::{Form, Surface};
 use super::itself;
 use super::ring::RollerRing;
 use super::track::Track;
+use super::tyre::Tread;
 
 /// Data that the robots of a class share.
 pub(in super::super) struct Articulated {
@@ -203,6 +204,9 @@ impl Articulated {
         let number = self.wheels.len() - 1;
         let seen = ColliderSurface::new(shape::outline(wheel), &scene::Pose::identity(), material, materials);
         self.add_surface(link, form, material, seen, Some(number));
+        if let Some(surface) = self.surfaces.last_mut() {
+            surface.tread = wheel.tyre.map(Tread::new);
+        }
     }
 
     fn add_solids(

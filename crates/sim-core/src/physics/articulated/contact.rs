@@ -6,8 +6,9 @@ use nalgebra::Vector3;
 use super::super::identity::BodyId;
 use super::super::rolling::Load;
 use super::ArticulatedRobot;
-use super::finding::{CandidateContact, Counterpart, MARGIN};
+use super::finding::{CandidateContact, Counterpart, Key, MARGIN};
 use super::form::{Form, Surface};
+use super::tyre::{Grip, Motion, Tread};
 use super::wheel::{RollerTouch, SIDE, Touch};
 
 /// Stiffness of a contact, N/m. It shares the load between contacts.
@@ -23,6 +24,8 @@ const RECOVERY_TIME: f64 = 0.02;
 const MAX_RECOVERY: [f64; 2] = [1.0, 0.25];
 /// Approach speed below which nothing bounces, m/s.
 const LEAST_BOUNCE: f64 = 0.2;
+/// Speed of a rim below which a tyre stands, m/s: then its force acts in the middle of its patch.
+const LEAST_RIM: f64 = 1e-4;
 /// Ratio of a bearing's compliance to the robot's (one over its mass) above which the bearing hardly brakes.
 const WEAK: f64 = 1e4;
 
@@ -73,6 +76,9 @@ impl ArticulatedRobot {
             impulse: guess.map_or_else(Vector3::zeros, |(_, impulse)| *impulse),
         };
         self.free_roller(found, &mut contact, velocity, time_step);
+        if let Some(tread) = self.compiled.surfaces[found.key.surface].tread {
+            self.bend_tread(&tread, found, &mut contact, velocity, time_step);
+        }
         contact
     }
 
@@ -136,6 +142,89 @@ impl ArticulatedRobot {
         }
     }
 
+    /// Lets a tyre bend: the rows of its friction give way, and the patch resists spin and turns its force behind its middle. The load is that
+    /// of the last step; without one the tyre is a rigid disc. `velocity` is that of the tread over the other body.
+    fn bend_tread(
+        &mut self,
+        tread: &Tread,
+        found: &CandidateContact,
+        contact: &mut Contact,
+        velocity: Vector3<f64>,
+        time_step: f64,
+    ) {
+        let ([Some(along), Some(across)], Contact { point, normal, first, friction, .. }) =
+            (contact.tangents, *contact)
+        else {
+            return;
+        };
+        let frame = &self.body.frames()[first.link];
+        if normal.dot(&(frame.rotation * Vector3::y())).abs() > SIDE || friction <= 0.0 {
+            return;
+        }
+        // A contact that came takes over from another of its tyre.
+        let is_own = |key: &Key| *key == found.key;
+        let is_near = |key: &Key| key.surface == found.key.surface;
+        let of_last = |is: &dyn Fn(&Key) -> bool| {
+            let bent = self.deflections.iter().find(|(key, _)| is(key))?;
+            let (_, impulse) = self.known.iter().find(|(key, _)| *key == bent.0)?;
+            Some((bent.1, *impulse))
+        };
+        let Some((deflection, impulse)) = of_last(&is_own).or_else(|| of_last(&is_near)) else {
+            return self.grips.push((found.key, Grip::rigid(&tread.tyre, friction)));
+        };
+        let load = impulse.dot(&normal) / time_step;
+        if load <= 0.0 {
+            return;
+        }
+        let carrier = self.body.tree().links()[first.link].parent;
+        let rim = self.body.velocity_at(first.link, point) - self.body.velocity_at(carrier, point);
+        let motion = Motion {
+            rim: rim.norm(),
+            slip: [along.dot(&velocity), across.dot(&velocity)],
+            spin: frame.angular.dot(&normal),
+        };
+        let grip = Grip::new(&tread.tyre, friction, load, deflection);
+        let rows = grip.rows(&tread.tyre, motion.rim, time_step);
+        let ratio = tread.tyre.friction;
+        contact.compliance = [contact.compliance[0], rows.compliance[0], rows.compliance[1]];
+        contact.drift += along * rows.target[0] + across * rows.target[1];
+        if ratio != scene::isotropic() {
+            contact.tangents = [Some(along * ratio[0]), Some(across * ratio[1])];
+            // The solver takes the guess along scaled rows.
+            let guess = contact.impulse;
+            let scaled = |way: Vector3<f64>, ratio: f64| way * (way.dot(&guess) * (1.0 / (ratio * ratio) - 1.0));
+            contact.impulse += scaled(along, ratio[0]) + scaled(across, ratio[1]);
+        }
+        let aside = across * (across.dot(&impulse) / time_step);
+        let behind = rim.try_normalize(LEAST_RIM).map_or_else(Vector3::zeros, |back| back * grip.trail(&tread.tyre));
+        let lever = (point - self.body.centre()).norm_squared().max(tread.tyre.patch[1].powi(2));
+        // It stops the spin at most.
+        let stop = self.compiled.mass / self.compiled.wheels.len() as f64 * lever * motion.spin.abs() / time_step;
+        let moment = tread.spin_moment(friction, load, motion).clamp(-stop, stop);
+        self.body.twist(first.link, behind.cross(&aside) + normal * moment);
+        self.grips.push((found.key, grip));
+    }
+
+    /// Stores the deflections of the tyres after a step, from the contacts and what they gave.
+    pub(super) fn note_treads(&mut self, found: &[CandidateContact], contacts: &[Contact], time_step: f64) {
+        let mut grips = std::mem::take(&mut self.grips);
+        for (key, grip) in grips.drain(..) {
+            let Some((it, contact)) = found.iter().zip(contacts).find(|(it, _)| it.key == key) else { continue };
+            let (Some(tread), [Some(along), Some(across)]) =
+                (self.compiled.surfaces[it.key.surface].tread, contact.tangents)
+            else {
+                continue;
+            };
+            let force = contact.impulse / time_step;
+            let sides = [along, across].map(|way| way.normalize().dot(&force));
+            let load = force.dot(&contact.normal);
+            if load > 0.0 {
+                self.deflections.push((key, grip.after(&tread.tyre, sides, load)));
+            }
+        }
+        self.grips = grips;
+    }
+
     /// Brakes the rollers that carry by the dry friction of their bearings, under the loads of the last step: a moment between roller and
     /// wheel, or, without links, a force along the way that the roller turns. It is no more than stops the robot's motion along that way.
     pub(super) fn brake_rollers(&mut self, gravity: Vector3<f64>, time_step: f64) {
@@ -169,6 +258,7 @@ impl ArticulatedRobot {
     pub(super) fn forget(&mut self) {
         self.contacts.clear();
         self.known.clear();
+        self.deflections.clear();
         self.loads.fill(Load::default());
     }
 

@@ -8,6 +8,7 @@ use scene::Material;
 
 use super::super::convert;
 use super::super::surface::Surface as ColliderSurface;
+use super::tyre::Tread;
 
 /// A part of a link that makes contacts.
 pub(super) struct Surface {
@@ -26,6 +27,8 @@ pub(super) struct Surface {
     pub(super) half: Vector3<f64>,
     /// Number of the wheel that it belongs to.
     pub(super) wheel: Option<usize>,
+    /// Tyre, if it is a wheel that has one.
+    pub(super) tread: Option<Tread>,
 }
 
 /// The geometry that finds its contacts.
@@ -62,6 +65,6 @@ impl Surface {
         let (shape, pose) = seen.placed();
         let (around, on_link) = (shape.compute_local_aabb(), shape.compute_aabb(&pose));
         let (middle, half) = (convert::from_vector(on_link.center()), convert::from_vector(on_link.half_extents()));
-        Self { link, form, material: material.clone(), seen, shape, pose, around, middle, half, wheel }
+        Self { link, form, material: material.clone(), seen, shape, pose, around, middle, half, wheel, tread: None }
     }
 }

@@ -9,6 +9,7 @@ use super::super::motor::Servo;
 use super::super::rolling::Load;
 use super::finding::Key;
 use super::object::Sleep;
+use super::tyre::Deflection;
 use super::{ArticulatedRobot, MovableObject};
 
 /// The state of a tree at the end of a step, as far as later steps depend on it or viewers show it.
@@ -24,6 +25,9 @@ pub(crate) struct SavedTree {
     contacts: Vec<(Option<usize>, Contact)>,
     flies: bool,
     known: Vec<(Key, Vector3<f64>)>,
+    /// Deflections of tyres, m.
+    #[serde(default)]
+    deflections: Vec<(Key, Deflection)>,
 }
 
 /// The state of a movable object.
@@ -52,6 +56,7 @@ impl ArticulatedRobot {
             contacts: self.contacts.clone(),
             flies: self.flies,
             known: self.known.clone(),
+            deflections: self.deflections.clone(),
         }
     }
 
@@ -76,6 +81,7 @@ impl ArticulatedRobot {
             self.contacts = saved.contacts;
             self.flies = saved.flies;
             self.known = saved.known;
+            self.deflections = saved.deflections;
             self.forget_near();
         }
         fits

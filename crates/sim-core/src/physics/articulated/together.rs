@@ -374,6 +374,7 @@ impl Step<'_> {
             let found = std::mem::take(&mut robot.found);
             let (own, rest) = contacts.split_at(found.len());
             contacts = rest;
+            robot.note_treads(&found, own, self.time_step);
             robot.known.extend(found.iter().zip(own).map(|(it, contact)| (it.key, contact.impulse)));
             let (own_joints, rest) = joints.split_at(joints.partition_point(|row| row.body <= body));
             joints = rest;

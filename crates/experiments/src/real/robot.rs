@@ -1,0 +1,134 @@
+//! Robots of four wheels, or two and casters, from their dimensions.
+
+use gamebots_proto::command::Command;
+use nalgebra::{Matrix3, Vector3};
+use scene::{Link, MapDef, Material, Motor, Part, RobotDef, Shape, Side, Solid, Steering, Tyre, Wheel, WorldDef};
+use serde::Deserialize;
+
+use crate::course::drive;
+
+/// Class of the robot in its world.
+pub(super) const CLASS: &str = "Measured";
+/// Share of the robot's mass in each wheel.
+const WHEEL_SHARE: f64 = 0.02;
+
+/// Dimensions of a robot, SI units.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Dimensions {
+    /// Whole mass.
+    pub mass: f64,
+    /// Distance of the axles; 0 is one axle, with casters before and behind it.
+    pub wheelbase: f64,
+    /// Distance of the wheels' middles across.
+    pub track: f64,
+    /// Radius of a wheel.
+    pub radius: f64,
+    /// Width of a wheel.
+    pub width: f64,
+    /// Way of the centre of mass ahead of the middle of the wheels.
+    #[serde(default)]
+    pub centre: f64,
+    /// Height of the centre of mass above the floor; by default that of the axles.
+    pub height: Option<f64>,
+    /// Tyre; without one the wheels are rigid discs.
+    pub tyre: Option<Tyre>,
+}
+
+/// Floor that a robot was measured on.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Floor {
+    /// Coulomb friction between tyre and floor.
+    pub friction: f64,
+    /// Rolling resistance between tyre and floor.
+    pub rolling_resistance: f64,
+}
+
+impl Dimensions {
+    /// Returns the world of the robot on a level floor.
+    pub(super) fn world(&self, floor: Floor) -> WorldDef {
+        // A pair has the mean of both frictions, and the sum of both resistances.
+        let friction = floor.friction;
+        let material = |name: &str, rolling_resistance: f64| Material {
+            name: name.to_owned(),
+            friction,
+            rolling_resistance,
+            ..Material::default()
+        };
+        let solid = |name: &str, shape: Shape, material: Material| Solid {
+            name: name.to_owned(),
+            shape,
+            position: [0.0; 3],
+            rotation: [0.0; 3],
+            material,
+        };
+        let ground = solid("floor", Shape::HalfSpace, material("floor", floor.rolling_resistance));
+        let map = MapDef { name: "floor".to_owned(), gravity: 9.81, solids: vec![ground], ..MapDef::default() };
+        let robots = [(CLASS.to_owned(), self.robot(&solid, &material))].into();
+        WorldDef { map, robots, ..WorldDef::default() }
+    }
+
+    fn robot(
+        &self,
+        solid: &dyn Fn(&str, Shape, Material) -> Solid,
+        material: &dyn Fn(&str, f64) -> Material,
+    ) -> RobotDef {
+        let &Self { mass, wheelbase, track, radius, width, centre, height, tyre } = self;
+        let wheel_mass = mass * WHEEL_SHARE;
+        let ways: &[f64] = if wheelbase > 0.0 { &[1.0, -1.0] } else { &[0.0] };
+        let wheels = 2.0 * ways.len() as f64;
+        let body = mass - wheels * wheel_mass;
+        // Wheels are at the height of the frame, which points down.
+        let size = [wheelbase.max(track), track - width, radius];
+        let up = (height.unwrap_or(radius) - radius) * mass / body;
+        let moments = [0, 1, 2].map(|axis| {
+            let [one, other] = [size[(axis + 1) % 3], size[(axis + 2) % 3]];
+            body * (one * one + other * other) / 12.0
+        });
+        let part = Part {
+            name: "body".to_owned(),
+            mass: body,
+            centre: Vector3::new(centre * mass / body, 0.0, -up),
+            inertia: Matrix3::from_diagonal(&moments.into()),
+        };
+        let solids = vec![solid("body", Shape::Box { size: size.map(|length| length * 0.9) }, material("body", 0.0))];
+        let mut links = vec![Link { name: "body".to_owned(), parts: vec![part], solids, ..Link::default() }];
+        let motor = Motor {
+            max_speed: 100.0,
+            gain: 100.0 * mass * radius * radius,
+            max_torque: 10.0 * mass * radius,
+            stiffness: None,
+            integral_time: Some(0.05),
+            armature: 0.0,
+        };
+        let wheel = |side| Wheel {
+            side,
+            radius,
+            width,
+            mass: wheel_mass,
+            material: material("tyre", 0.0),
+            rollers: None,
+            belt: None,
+            tyre,
+        };
+        for (row, way) in ways.iter().enumerate() {
+            for (name, y, side) in [("Left", -track / 2.0, Side::Left), ("Right", track / 2.0, Side::Right)] {
+                let position = [way * wheelbase / 2.0, y, 0.0];
+                links.push(Link::of_wheel(format!("{name}{row}"), position, Some(motor.clone()), wheel(side)));
+            }
+        }
+        if wheelbase <= 0.0 {
+            for (name, x) in [("FrontCaster", 0.8), ("BackCaster", -0.8)] {
+                let ball = Wheel { radius: radius / 2.0, tyre: None, ..wheel(Side::Left) };
+                links.push(Link::of_wheel(name.to_owned(), [x * track / 2.0, 0.0, radius / 2.0], None, ball));
+            }
+        }
+        RobotDef::new(CLASS, Steering::Skid, links)
+    }
+}
+
+/// Returns the command that turns the wheels of both sides, rad/s.
+pub(super) fn turn([left, right]: [f64; 2]) -> Command {
+    drive(&[("Left", left), ("Right", right)])
+}
