@@ -34,6 +34,7 @@ mod perception;
 mod ports;
 mod pressed;
 mod programs;
+mod real_robots;
 mod robots;
 mod robots_together;
 mod rollers;

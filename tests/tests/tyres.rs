@@ -5,7 +5,7 @@ use scene::{DriveModel, RobotDef, Tyre, WorldDef};
 use sim_core::{Options, SavedWorld, World};
 use system_tests::{apply, init, run};
 
-const TYRE: Tyre = Tyre { stiffness: [6.0, 5.0], patch: [0.03, 0.025], relaxation: 0.03, friction: scene::isotropic() };
+const TYRE: Tyre = Tyre { stiffness: [6.0, 5.0], patch: [0.03, 0.025], relaxation: None, friction: scene::isotropic() };
 
 /// Returns the effective over the geometric track of a robot with a wheelbase of 0.3 m and a track of 0.4 m.
 fn chi(tyre: Tyre, curvature: f64) -> f64 {
@@ -22,7 +22,8 @@ fn chi(tyre: Tyre, curvature: f64) -> f64 {
 #[test]
 fn in_wide_curves_stiffness_decides_how_far_a_robot_turns() {
     for across in [4.0, 6.0, 9.0] {
-        let found = chi(Tyre { stiffness: [6.0, across], patch: [0.002, 0.002], relaxation: 0.02, ..TYRE }, 400.0);
+        let found =
+            chi(Tyre { stiffness: [6.0, across], patch: [0.002, 0.002], relaxation: Some(0.02), ..TYRE }, 400.0);
         let expected = 1.0 + across / 6.0 * (0.3_f64 / 0.4).powi(2);
         println!("{across}: {found:.4}, expected {expected:.4}");
         assert!((found - expected).abs() < 0.01 * (expected - 1.0), "{across}: {found}, expected {expected}");
@@ -33,8 +34,10 @@ fn in_wide_curves_stiffness_decides_how_far_a_robot_turns() {
 #[test]
 fn on_the_spot_friction_decides_how_far_a_robot_turns() {
     for across in [0.8, 1.0, 1.2] {
-        let found =
-            chi(Tyre { friction: [1.0, across], patch: [0.001; 2], stiffness: [60.0; 2], relaxation: 0.002 }, 0.0);
+        let found = chi(
+            Tyre { friction: [1.0, across], patch: [0.001; 2], stiffness: [60.0; 2], relaxation: Some(0.002) },
+            0.0,
+        );
         let expected = 1.0 + (across * 0.3_f64 / 0.4).powi(2);
         println!("{across}: {found:.4}, expected {expected:.4}");
         assert!((found - expected).abs() < 0.01 * (expected - 1.0), "{across}: {found}, expected {expected}");
@@ -108,7 +111,7 @@ fn tyres_at_the_ends_of_their_ranges_drive() {
     for stiffness in [1.0, 30.0, 1e4] {
         for relaxation in [1e-3, (stiffness * 0.098 / 3.0_f64).min(1.0)] {
             for friction in [[0.1, 10.0], [1.0, 1.0], [10.0, 0.1]] {
-                let tyre = Tyre { stiffness: [stiffness; 2], relaxation, friction, ..TYRE };
+                let tyre = Tyre { stiffness: [stiffness; 2], relaxation: Some(relaxation), friction, ..TYRE };
                 let mut world = world([0.0; 3], Some(tyre));
                 let robot = init(&mut world, INIT);
                 for line in ["DRIVE {Left 8} {Right 8}", "DRIVE {Left -8} {Right 8}", "DRIVE {Left 0} {Right 0}"] {

@@ -17,7 +17,7 @@ const MODELS: [&str; 3] = ["bodies", "analytic", "kinematic"];
 /// Most lines of a table that is shown unasked.
 const MAX_OPEN: usize = 50;
 
-const STYLE: &str = "
+pub(crate) const STYLE: &str = "
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; color: #222 }
 h1, h2 { line-height: 1.2 } h2 { margin-top: 2.5rem }
 table { border-collapse: collapse; width: 100%; font-size: 0.9rem }

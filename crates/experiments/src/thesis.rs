@@ -12,11 +12,16 @@ const CLAIMS: &str = "claims.toml";
 
 /// Returns name and text of every experiment file, sorted by name.
 pub fn files() -> Vec<(String, &'static str)> {
-    let name = |file: &'static include_dir::File| {
-        file.path().to_str().filter(|name| name.ends_with(".toml") && *name != CLAIMS)
-    };
+    let mut files = toml_files(&FILES);
+    files.retain(|(name, _)| name != CLAIMS);
+    files
+}
+
+/// Returns name and text of every TOML file of a folder, sorted by name.
+pub(crate) fn toml_files(folder: &'static Dir) -> Vec<(String, &'static str)> {
+    let name = |file: &'static include_dir::File| file.path().to_str().filter(|name| name.ends_with(".toml"));
     let mut files: Vec<_> =
-        FILES.files().filter_map(|file| Some((name(file)?.to_owned(), file.contents_utf8()?))).collect();
+        folder.files().filter_map(|file| Some((name(file)?.to_owned(), file.contents_utf8()?))).collect();
     files.sort();
     files
 }

@@ -11,6 +11,7 @@ use experiments::batch::{Batch, BatchError};
 use experiments::claim::{Claim, Claims};
 use experiments::fit::{Estimate, Fit, FitError, FitResult};
 use experiments::plan::Plan;
+use experiments::real::{self, Compared, Measured};
 use experiments::run::{self, Outcome, RunError};
 use experiments::{report, thesis};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -27,6 +28,8 @@ use crate::{Failure, exit, print};
 pub(crate) enum Command {
     /// Run chapter 7 of the thesis "A KUKA youBot simulation in USARSim": every experiment, every figure, every claim.
     Thesis(ThesisArguments),
+    /// Put published measurements of real robots beside their simulations.
+    Real(RealArguments),
     /// Run your own experiment from a file.
     Run(RunArguments),
     /// Fit parameters of a robot so that simulated steps match measured ones.
@@ -49,6 +52,28 @@ pub(crate) struct ThesisArguments {
     full: bool,
     #[command(flatten)]
     common: Common,
+}
+
+/// Options of `experiment real`.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  usarsim experiment real\n  usarsim experiment real --only pioneer-3-at,warthog --out real\n  \
+    usarsim experiment real my-robot.toml --json\n\nWithout a file it does the project's, under experiments/real. What a file holds: \
+    docs/real-robots.md."
+)]
+pub(crate) struct RealArguments {
+    /// Files of measurements instead of the project's.
+    #[arg(value_name = "FILE.toml", conflicts_with = "only")]
+    files: Vec<PathBuf>,
+    /// Only these of the project's robots, by the names of their files.
+    #[arg(long, value_delimiter = ',', value_name = "NAME,..")]
+    only: Vec<String>,
+    /// Folder for report.html, rows.csv and plots; without it no file is written.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the rows as JSON.
+    #[arg(long)]
+    json: bool,
 }
 
 /// Options of `experiment run`.
@@ -140,6 +165,7 @@ pub(crate) fn run(command: &Command, quiet: bool) -> Result<(), Failure> {
             conduct(task, narrow, &arguments.common, quiet)
         }
         Command::Fit(arguments) => fit(arguments, quiet),
+        Command::Real(arguments) => real(arguments, quiet),
         Command::Run(RunArguments { file, common }) => {
             let text = scene_loader::text(file).map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
             let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -296,6 +322,51 @@ fn fit(arguments: &FitArguments, quiet: bool) -> Result<(), Failure> {
             None => print(format_args!("{name}: {value:.6}  95 % from {low:.6} to {high:.6} ({resampled} resampled)")),
         }
     }
+    Ok(())
+}
+
+fn real(arguments: &RealArguments, quiet: bool) -> Result<(), Failure> {
+    let RealArguments { files, only, out, json } = arguments;
+    let bad = |error: &dyn std::fmt::Display| Failure::new(exit::BAD_CONFIGURATION, error);
+    let name = |file: &Path| file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let mut texts = Vec::new();
+    for file in files {
+        texts.push((file.clone(), scene_loader::text(file).map_err(|error| bad(&error))?));
+    }
+    if files.is_empty() {
+        texts = real::files().into_iter().map(|(file, text)| (file.into(), text.to_owned())).collect();
+        let names: Vec<String> = texts.iter().map(|(file, _)| name(file)).collect();
+        if let Some(unknown) = only.iter().find(|only| !names.contains(only)) {
+            let message = format!("unknown robot `{unknown}`: expected some of {}", names.join(", "));
+            return Err(Failure::new(exit::USAGE, message));
+        }
+        texts.retain(|(file, _)| only.is_empty() || only.contains(&name(file)));
+    }
+    let progress = Progress::of_runs(texts.len(), quiet);
+    let mut compared = Vec::new();
+    for (file, text) in &texts {
+        let measured = Measured::read(&file.display().to_string(), text).map_err(|error| bad(&error))?;
+        progress.say(measured.name.clone());
+        let rows = real::run(&measured).map_err(|error| bad(&format_args!("{}: {error}", file.display())))?;
+        compared.push(Compared { id: name(file), measured, rows });
+        progress.add(1);
+    }
+    progress.finish();
+    if let Some(out) = out {
+        real::report::outputs(out, &compared).iter().try_for_each(|written| keep_inputs(written, files))?;
+        real::report::write_all(out, &compared).map_err(|error| failure(&error))?;
+    }
+    if *json {
+        let robots = compared.iter().map(|Compared { id, measured, rows }| {
+            json!({ "id": id, "name": measured.name, "source": measured.source, "rows": rows, "others": measured.other })
+        });
+        print(json!({ "robots": robots.collect::<Vec<_>>() }));
+        return Ok(());
+    }
+    print(real::report::text(&compared).trim_end());
+    let rows = compared.iter().flat_map(|it| &it.rows);
+    let (agreeing, all) = (rows.clone().filter(|row| row.agrees()).count(), rows.count());
+    print(format_args!("{agreeing} of {} agree", names::count(all, "row")));
     Ok(())
 }
 

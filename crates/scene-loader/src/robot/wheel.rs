@@ -31,28 +31,11 @@ pub(super) struct WheelEntry {
     pub(super) torque_constant: Option<f64>,
     pub(super) max_current: Option<f64>,
     pub(super) rotor_inertia: Option<f64>,
-    pub(super) tyre: Option<TyreEntry>,
+    pub(super) tyre: Option<Tyre>,
     pub(super) roller_angle: Option<f64>,
     pub(super) first_roller: Option<f64>,
     /// Link that carries it; without one, the body.
     pub(super) link: Option<String>,
-}
-
-/// Numbers of a tyre.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct TyreEntry {
-    stiffness: [f64; 2],
-    patch: [f64; 2],
-    relaxation: Option<f64>,
-    #[serde(default = "scene::isotropic")]
-    friction: [f64; 2],
-}
-
-impl From<TyreEntry> for Tyre {
-    fn from(TyreEntry { stiffness, patch, relaxation, friction }: TyreEntry) -> Self {
-        Self { stiffness, patch, relaxation: relaxation.unwrap_or(patch[0]), friction }
-    }
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -175,7 +158,7 @@ pub(super) fn read_wheel(
     };
     let motor =
         Motor { max_speed: max_speed?, gain: gain?, max_torque: max_torque?, stiffness: None, integral_time, armature };
-    let tyre = entry.tyre.or(common.tyre).map(Tyre::from);
+    let tyre = entry.tyre.or(common.tyre);
     let wheel = Wheel { side, radius: radius?, width: width?, mass: mass?, material, rollers, belt: None, tyre };
     let mut wheel = Link::of_wheel(entry.name?, position?, Some(motor), wheel);
     if let (Some(link), Some(joint)) = (link, joint) {

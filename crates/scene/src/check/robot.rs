@@ -238,11 +238,11 @@ fn tyre(def: &Tyre, wheel: &MountedWheel) -> Vec<String> {
     }
     wrong.extend(SLIP_STIFFNESS.problem_in("stiffness", &def.stiffness));
     wrong.extend(FRICTION_RATIO.problem_in("friction", &def.friction));
-    wrong.extend(RELAXATION.problem("relaxation", def.relaxation));
+    wrong.extend(RELAXATION.problem("relaxation", def.relaxation()));
     // With a friction of 1 a tread slides as a whole when it is bent by this.
-    let bent = 3.0 * def.relaxation / def.stiffness[0].min(def.stiffness[1]);
+    let bent = 3.0 * def.relaxation() / def.stiffness[0].min(def.stiffness[1]);
     if wrong.is_empty() && bent > wheel.radius {
-        let (got, most) = (Number(def.relaxation), Number(def.relaxation * wheel.radius / bent));
+        let (got, most) = (Number(def.relaxation()), Number(def.relaxation() * wheel.radius / bent));
         wrong.push(format!("`relaxation` is {got}: expected at most {most} m, a third of stiffness times radius"));
     }
     // The patch is a part of the wheel.

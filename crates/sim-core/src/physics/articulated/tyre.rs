@@ -78,7 +78,7 @@ impl Grip {
     /// Computes the stiffness of a tyre under a load, N, at a deflection.
     pub(super) fn new(tyre: &Tyre, friction: f64, load: f64, deflection: Deflection) -> Self {
         let ratio = tyre.friction;
-        let linear = [0, 1].map(|way| tyre.stiffness[way] / tyre.relaxation);
+        let linear = [0, 1].map(|way| tyre.stiffness[way] / tyre.relaxation());
         // A contact may come to ground with less friction.
         let bent = share(tyre, friction, deflection);
         let (share, deflection) = if bent > 1.0 { (1.0, deflection.map(|it| it / bent)) } else { (bent, deflection) };
@@ -98,7 +98,7 @@ impl Grip {
 
     /// Returns the rows for a step in which the rim runs at a speed, m/s.
     pub(super) fn rows(&self, tyre: &Tyre, rim: f64, time_step: f64) -> Rows {
-        let carried = 1.0 + time_step * rim.abs() / tyre.relaxation;
+        let carried = 1.0 + time_step * rim.abs() / tyre.relaxation();
         let compliance = |way: usize| self.ratio[way].powi(2) * carried / (time_step * time_step * self.stiffness[way]);
         Rows { compliance: [0, 1].map(compliance), target: self.deflection.map(|deflection| -deflection / time_step) }
     }
@@ -124,7 +124,7 @@ impl Grip {
 
 /// Computes the slip over that at which the whole patch slides, for the deflection that it has in steady rolling. It is not limited here.
 fn share(tyre: &Tyre, friction: f64, deflection: Deflection) -> f64 {
-    let part = |way: usize| tyre.stiffness[way] * deflection[way] / (tyre.relaxation * tyre.friction[way]);
+    let part = |way: usize| tyre.stiffness[way] * deflection[way] / (tyre.relaxation() * tyre.friction[way]);
     length([part(0), part(1)]) / (3.0 * friction)
 }
 
@@ -155,7 +155,7 @@ mod tests {
     const FRICTION: f64 = 0.6;
     const STEP: f64 = 0.001;
     const TYRE: Tyre =
-        Tyre { stiffness: [6.0, 5.0], patch: [0.03, 0.02], relaxation: 0.04, friction: scene::isotropic() };
+        Tyre { stiffness: [6.0, 5.0], patch: [0.03, 0.02], relaxation: Some(0.04), friction: scene::isotropic() };
 
     /// Returns the forces along and across, step by step, of a tyre whose rim runs at 1 m/s, for a slip from rest. Each row is solved by hand.
     fn forces(tyre: &Tyre, slip: [f64; 2], steps: usize) -> Vec<([f64; 2], Grip)> {
@@ -241,7 +241,7 @@ mod tests {
         for way in [0.01, 0.04, 0.1] {
             let at = (way / STEP) as usize - 1;
             let share = -found[at].0[1] / (TYRE.stiffness[1] * slip * LOAD);
-            check(&format!("after {way} m"), share, 1.0 - (-way / TYRE.relaxation).exp(), 0.006);
+            check(&format!("after {way} m"), share, 1.0 - (-way / TYRE.relaxation()).exp(), 0.006);
         }
     }
 
