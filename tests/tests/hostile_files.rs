@@ -526,6 +526,28 @@ fn a_robot_with_a_hostile_number_is_refused_with_its_line() {
     check("width = 0.03", "width = 1e-4", &["robot.toml:11:1: `width` is 0.0001: expected 0.001 to 20 m"]);
     check("mass = 0.3", "mass = 1e-40", &["robot.toml:11:1: `mass` is 1e-40: expected 0.001 to 10000 kg"]);
     check("gain = 1.0", "gain = inf", &["robot.toml:11:1: `gain` is inf: expected 1e-6 to 1000000 N m s/rad"]);
+    let tyre = |numbers: &str| format!("gain = 1.0\ntyre = {{ {numbers} }}");
+    for (numbers, expected) in [
+        ("stiffness = [5.0, 4.0], patch = [0.02, 0.01]", "good"),
+        (
+            "stiffness = [0.0, 4.0], patch = [0.02, 0.01]",
+            "robot.toml:11:1: `stiffness` is [0, 4]: expected numbers of 1 to 10000",
+        ),
+        (
+            "stiffness = [5.0, 4.0], patch = [0.02, 0.04]",
+            "robot.toml:11:1: half width in `patch` is 0.04: expected 0.001 to 0.03 m",
+        ),
+        (
+            "stiffness = [5.0, 4.0], patch = [0.02, 0.01], relaxation = 0.5",
+            "robot.toml:11:1: `relaxation` is 0.5: expected at most 0.08 m, a third of stiffness times radius",
+        ),
+        (
+            "stiffness = [5.0, 4.0], patch = [0.02, 0.01], friction = [1.0, nan]",
+            "robot.toml:11:1: `friction` is [1, NaN]: expected numbers of 0.1 to 10",
+        ),
+    ] {
+        check("gain = 1.0", &tyre(numbers), &[expected]);
+    }
     check(
         "name = \"Left\"",
         "name = \"Left\"\narmature = -1.0",
@@ -639,7 +661,7 @@ fn a_mistake_has_no_follow_ups() {
     );
     let unknown = "unknown field `gian`, expected one of `name`, `side`, `joint`, `position`, `radius`, `width`, `mass`, \
                    `material`, `max_speed`, `gain`, `max_torque`, `integral_time`, `armature`, `gear`, `torque_constant`, \
-                   `max_current`, `rotor_inertia`, `roller_angle`, `first_roller`, `link` (did you mean `gain`?)";
+                   `max_current`, `rotor_inertia`, `tyre`, `roller_angle`, `first_roller`, `link` (did you mean `gain`?)";
     check_files(&[("robot.toml", &CART.replace("gain", "gian"))], &[&format!("robot.toml:17:1: {unknown}")]);
     check_files(
         &[("robot.toml", &CART.replace("[wheels]", "[wheels"))],

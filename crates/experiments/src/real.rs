@@ -34,7 +34,7 @@ pub struct Measured {
     pub name: String,
     /// Publication or file that the numbers are from.
     pub source: String,
-    /// What a reader has to know.
+    /// Remark for the reader.
     pub note: Option<String>,
     /// Dimensions.
     pub robot: Dimensions,
@@ -73,7 +73,7 @@ pub struct Strafe {
     pub ratio: f64,
     /// Standard deviation.
     pub spread: Option<f64>,
-    /// As in [`Turn`].
+    /// Difference that counts as agreement, as in [`Turn`].
     pub within: Option<f64>,
     /// True if the motors had full power, so that the ratio is that of the top speeds.
     #[serde(default)]
@@ -88,7 +88,7 @@ pub struct Other {
     pub simulator: String,
     /// Factor of the track that its user needed for the robot's turn.
     pub chi: f64,
-    /// Where that stands.
+    /// Place where that stands.
     pub source: String,
 }
 
@@ -97,13 +97,13 @@ pub struct Other {
 pub struct Row {
     /// Quantity.
     pub what: String,
-    /// Of the real robot.
+    /// Number of the real robot.
     pub real: f64,
     /// Its standard deviation.
     pub spread: Option<f64>,
     /// Difference that counts as agreement.
     pub within: f64,
-    /// In the simulation.
+    /// Number in the simulation.
     pub ours: f64,
     /// Curvature of a turn.
     pub curvature: Option<f64>,
@@ -136,7 +136,7 @@ impl Row {
 pub struct Compared {
     /// Name of the file, without its ending.
     pub id: String,
-    /// What was measured.
+    /// Contents of the file.
     pub measured: Measured,
     /// Numbers beside their simulations.
     pub rows: Vec<Row>,

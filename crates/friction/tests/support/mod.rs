@@ -18,24 +18,26 @@ pub(crate) enum Kind {
     Uneven,
     /// A floor and walls.
     Walls,
+    /// A floor under tyres: tangents that give way, with friction on an ellipse.
+    Tyres,
 }
 
 impl Kind {
     /// All kinds.
-    pub(crate) const ALL: [Self; 4] = [Self::Wheels, Self::Floor, Self::Uneven, Self::Walls];
+    pub(crate) const ALL: [Self; 5] = [Self::Wheels, Self::Floor, Self::Uneven, Self::Walls, Self::Tyres];
 
     fn contacts(self) -> std::ops::RangeInclusive<usize> {
         match self {
             Self::Wheels => 1..=4,
             Self::Floor => 4..=12,
-            Self::Uneven | Self::Walls => 1..=8,
+            Self::Uneven | Self::Walls | Self::Tyres => 1..=8,
         }
     }
 
     /// Returns a random contact normal.
     fn normal(self, rng: &mut ChaCha8Rng) -> Vector3<f64> {
         match self {
-            Self::Wheels | Self::Floor => Vector3::z(),
+            Self::Wheels | Self::Floor | Self::Tyres => Vector3::z(),
             Self::Uneven => {
                 let (tilt, turn) = (rng.random_range(0.0..0.52_f64), rng.random_range(0.0..TAU));
                 Vector3::new(tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), tilt.cos())
@@ -82,9 +84,17 @@ pub(crate) fn random(kind: Kind, rng: &mut ChaCha8Rng) -> Problem {
             friction: rng.random_range(0.05..1.2),
             tangents: if rng.random_bool(0.8) { 2 } else { 1 },
         };
-        for (axis, rim, give) in
-            [(normal, 0.0, 0.0), (first, rim, give), (second, 0.0, 0.0)].into_iter().take(contact.rows())
-        {
+        let mut own = [(normal, 0.0, 0.0), (first, rim, give), (second, 0.0, 0.0)];
+        if kind == Kind::Tyres {
+            for (axis, target, give) in &mut own[1..] {
+                // Friction along a row over that of the pair; compliance of a hard to a very soft tread; its deflection over a step.
+                let ratio = rng.random_range(0.3..1.5_f64);
+                let soft = 10.0_f64.powf(rng.random_range(-3.0..2.0)) / mass;
+                (*axis, *give) = (*axis * ratio, (*give + soft) * ratio * ratio);
+                *target = (*target + rng.random_range(-3.0..3.0_f64)) * ratio;
+            }
+        }
+        for (axis, rim, give) in own.into_iter().take(contact.rows()) {
             rows.push((axis, position.cross(&axis), rim, give));
         }
         constraints.push(contact);

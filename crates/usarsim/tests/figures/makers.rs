@@ -5,6 +5,7 @@ use std::process::Command;
 
 use experiments::claim::Claims;
 use experiments::plan::{Plan, Run};
+use experiments::real::{self, Measured};
 use experiments::run::{self, Outcome};
 use experiments::{Course, Motion, Travel};
 use gamebots_proto::Dialect;
@@ -49,6 +50,20 @@ fn bench(timed: bool, arguments: &[&str]) -> serde_json::Value {
     let step = |report: &serde_json::Value| report["microseconds_per_step"].as_f64().unwrap();
     let runs = (0..if timed { 3 } else { 1 }).map(|_| run());
     runs.min_by(|a, b| step(a).total_cmp(&step(b))).unwrap()
+}
+
+/// Makes the table of published measurements of real robots.
+pub(crate) fn real_robots() -> String {
+    let mut rows = Vec::new();
+    for (name, text) in real::files() {
+        let measured = Measured::read(&name, text).unwrap();
+        for row in real::run(&measured).unwrap() {
+            let spread = row.spread.map_or(String::new(), |spread| format!(" ± {spread:.4}"));
+            let (robot, real, ours) = (&measured.name, format!("{:.4}{spread}", row.real), row.ours);
+            rows.push(format!("| {robot} | {} | {real} | {ours:.4} | {:+.1} % |", row.what, row.percent()));
+        }
+    }
+    table("| robot | quantity | real | here | difference |", rows)
 }
 
 pub(crate) fn drive_models(timed: bool) -> String {

@@ -26,7 +26,7 @@ const UNTIMED: &str = "~";
 /// Makes the text of a figure. With `true` it also measures times.
 type Maker = fn(bool) -> String;
 
-const FIGURES: [(&str, Maker); 24] = [
+const FIGURES: [(&str, Maker); 25] = [
     ("gallery", |_| gallery::chapters()),
     ("reference-robots", |_| reference::robots()),
     ("reference-actuators", |_| reference::actuators()),
@@ -48,6 +48,7 @@ const FIGURES: [(&str, Maker); 24] = [
     ("heaps", |timed| makers::cost(timed, &["heap"])),
     ("kinematics", |_| makers::kinematics()),
     ("sliding", |_| makers::sliding()),
+    ("real-robots", |_| makers::real_robots()),
     ("thesis", |_| makers::thesis()),
     ("thesis-runs", |_| makers::thesis_runs()),
     ("thesis-needed", |_| makers::thesis_needed()),
