@@ -4,6 +4,7 @@ mod access;
 mod arm;
 mod attack;
 mod avatars;
+mod calibrate;
 mod captures;
 mod circles;
 mod com_server;

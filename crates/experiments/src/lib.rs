@@ -8,6 +8,7 @@
 //! This crate reads no clock: callers that need real time measure it themselves.
 
 pub mod batch;
+pub mod calibrate;
 pub mod claim;
 mod course;
 mod crowd;

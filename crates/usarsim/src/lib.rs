@@ -2,6 +2,7 @@
 //! same program.
 
 mod bench;
+mod calibrate;
 mod check;
 mod completions;
 mod connect;
@@ -95,6 +96,8 @@ enum Command {
     /// Run the experiments of the thesis "A KUKA youBot simulation in USARSim", or your own.
     #[command(subcommand)]
     Experiment(experiment::Command),
+    /// Find the numbers of a robot's wheels from a log of its motion.
+    Calibrate(calibrate::Arguments),
     /// Run an experiment of many runs in batches, here or spread over machines.
     Sweep(sweep::Arguments),
     /// Show the points, the map and the paths of a league that was played.
@@ -148,6 +151,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Experiment(command) => experiment::run(&command, arguments.quiet),
+        Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Sweep(command) => sweep::run(&command, arguments.quiet),
         Command::League(command) => league::run(&command),
         Command::Log(command) => log::run(command),

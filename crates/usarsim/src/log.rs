@@ -72,7 +72,7 @@ pub(crate) fn robots(log: &Log) -> BTreeMap<u64, (&str, &str)> {
 }
 
 /// Finds a robot by its number or name.
-fn robot(log: &Log, file: &Path, wanted: &str) -> Result<u64, Failure> {
+pub(crate) fn robot(log: &Log, file: &Path, wanted: &str) -> Result<u64, Failure> {
     let known = robots(log);
     let is = |(robot, (_, name)): &(&u64, &(&str, &str))| robot.to_string() == wanted || *name == wanted;
     known.iter().find(is).map(|(robot, _)| *robot).ok_or_else(|| {

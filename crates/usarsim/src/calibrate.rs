@@ -1,0 +1,115 @@
+//! `usarsim calibrate`: the numbers of a robot's wheels from a log of its motion.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use experiments::calibrate::{Calibration, Number, Record, calibrate, write_robot};
+use recorder::Table;
+
+use crate::output::keep_inputs;
+use crate::{Failure, exit, log, print};
+
+/// Longest table, bytes: some hours of a robot.
+const MAX_TABLE: u64 = 512 << 20;
+
+/// Options of `calibrate`.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  usarsim calibrate run.mcap my-robot/robot.toml\n  usarsim calibrate drive.csv my-robot/robot.toml --out calibrated.toml\n  \
+    usarsim calibrate run.mcap P3AT --robot 2 --json\n\nA log is one of `usarsim serve --log`, or a table with the columns time (s), x, y (m), yaw (rad), and \
+    wheel_angle_1 (rad) or wheel_speed_1 (rad/s) for each driven wheel, in the robot's order. What to drive, and what a log cannot tell: \
+    docs/howto-calibrate.md."
+)]
+pub(crate) struct Arguments {
+    /// Log of the robot: .mcap, or a table as CSV.
+    #[arg(value_name = "LOG")]
+    log: PathBuf,
+    /// The robot: a robot.toml, or the name of a class.
+    #[arg(value_name = "ROBOT.toml|CLASS")]
+    robot: String,
+    /// Only this robot of the log, by number, or in an .mcap by name.
+    #[arg(long = "robot", value_name = "ROBOT")]
+    only: Option<String>,
+    /// File for robot.toml with the numbers that were found.
+    #[arg(long, value_name = "FILE.toml")]
+    out: Option<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments { log, robot, only, out, json } = arguments;
+    let bad = |error: &dyn std::fmt::Display| Failure::new(exit::BAD_CONFIGURATION, error);
+    let def = scene_loader::robot(robot, &[]).map_err(|error| bad(&error))?;
+    let record = record(log, only.as_deref())?;
+    let found = calibrate(&record, &def).map_err(|error| bad(&format_args!("{}: {error}", log.display())))?;
+    let mut changed = Vec::new();
+    if let Some(out) = out {
+        let file = Path::new(robot);
+        keep_inputs(out, &[log.as_path(), file])?;
+        if !file.is_file() {
+            return Err(Failure::new(
+                exit::USAGE,
+                format_args!("--out of the class `{robot}`: expected its robot.toml; `usarsim copy robot` writes one"),
+            ));
+        }
+        let text = scene_loader::text(file).map_err(|error| bad(&error))?;
+        let (text, lines) = write_robot(&text, &def, &found).map_err(|error| bad(&format_args!("{robot}: {error}")))?;
+        std::fs::write(out, text)
+            .map_err(|error| Failure::new(exit::FAILURE, format_args!("{}: {error}", out.display())))?;
+        changed = lines;
+    }
+    if *json {
+        print(serde_json::to_string_pretty(&found).unwrap_or_default());
+        return Ok(());
+    }
+    show(&found);
+    if let Some(out) = out {
+        print(format_args!("{}: {}", out.display(), changed.join("; ")));
+    }
+    Ok(())
+}
+
+fn record(file: &Path, only: Option<&str>) -> Result<Record, Failure> {
+    let bad = |error: &dyn std::fmt::Display| {
+        Failure::new(exit::BAD_CONFIGURATION, format_args!("{}: {error}", file.display()))
+    };
+    if file.extension().is_some_and(|it| it.eq_ignore_ascii_case("mcap")) {
+        let read = log::read(file)?;
+        let robot = only.map(|wanted| log::robot(&read, file, wanted)).transpose()?;
+        return Record::read(&Table::of(&read, robot).to_csv().collect::<Vec<_>>().join("\n"), None)
+            .map_err(|error| bad(&error));
+    }
+    let mut text = String::new();
+    let opened = File::open(file).map_err(|error| bad(&error))?;
+    opened.take(MAX_TABLE + 1).read_to_string(&mut text).map_err(|error| bad(&error))?;
+    if text.len() as u64 > MAX_TABLE {
+        return Err(bad(&format_args!("more than {} MB: expected a shorter table", MAX_TABLE >> 20)));
+    }
+    Record::read(&text, only).map_err(|error| bad(&error))
+}
+
+fn show(found: &Calibration) {
+    let Calibration { numbers, curves, missing, windows, residuals: [way, turn], is_mirrored } = found;
+    print(format_args!(
+        "{windows} windows of 1 s; the numbers leave {:.1} mm and {:.2} mrad of a window",
+        way * 1e3,
+        turn * 1e3
+    ));
+    if *is_mirrored {
+        print("poses with y to the left and yaw counterclockwise");
+    }
+    for Number { name, unit, value, interval: [low, high], in_file } in numbers {
+        let file = in_file.map_or(String::new(), |it| format!("; in the file {it:.5}"));
+        print(format_args!("{name}: {value:.5} {unit}  95 % from {low:.5} to {high:.5}{file}"));
+    }
+    for curve in curves {
+        print(format_args!(
+            "effective track at a curvature of {:.2}: {:.4} m +- {:.4} ({} windows)",
+            curve.curvature, curve.track, curve.error, curve.windows
+        ));
+    }
+    missing.iter().for_each(|it| print(format_args!("not found: {it}")));
+}
