@@ -41,6 +41,7 @@ mod robots_together;
 mod rollers;
 mod rolling;
 mod rosbridge;
+mod rough_ground;
 mod scenes;
 mod sensing;
 mod served;
