@@ -31,6 +31,7 @@ export function valuesOf(robotClass: RobotClass, sensors: SensorValues): Group[]
     { name: 'Joints', values: robotClass.joints.map(jointValue) },
     { name: 'Contacts', values: CONTACTS },
     { name: 'Slip', values: robotClass.wheels.length > 0 ? slipValues(robotClass) : [] },
+    { name: 'Turn', values: robotClass.steering === 'SkidSteered' ? turnValues(robotClass) : [] },
     ...sensorGroups(sensors),
   ];
   return groups.filter(({ values }) => values.length > 0);
@@ -80,6 +81,24 @@ function slipValues({ wheel_radius: radius, steering }: RobotClass): Value[] {
     value('slip forward', 'mm/s', 1, (robot) => 1000 * (byWheels(robot)[0] - robot.linear[0])),
     value('slip right', 'mm/s', 1, (robot) => 1000 * (byWheels(robot)[1] - robot.linear[1])),
   ];
+}
+
+/** Least yaw rate at which a robot turns, rad/s. */
+const LEAST_TURN = 0.02;
+
+/** Effective over geometric track (chi): 1 without slip, and more the farther wheels are dragged sideways. Null for a robot that does not turn. */
+function turnValues({ wheel_radius: radius, track, wheels }: RobotClass): Value[] {
+  const sides = [-1, 1].map((side) =>
+    wheels.flatMap(({ link, position }, at) => (link === null && position[1] * side > 0 ? [at] : [])),
+  );
+  if (track <= 0 || sides.some((side) => side.length === 0) || sides.flat().length < wheels.length) return [];
+  const chi = ({ wheels, angular }: RobotState) => {
+    const [left, right] = sides.map(
+      (side) => side.reduce((sum, at) => sum + (wheels[at]?.speed ?? 0), 0) / side.length,
+    );
+    return Math.abs(angular[2]) > LEAST_TURN ? (radius * (left! - right!)) / (track * angular[2]) : null;
+  };
+  return [value('effective / true track', '', 3, chi)];
 }
 
 function sensorGroups(sensors: SensorValues): Group[] {
