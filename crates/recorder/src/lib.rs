@@ -9,6 +9,7 @@
 //! hold up the world. Records reach the file at least once a second. So a killed process leaves a file that can be read up to
 //! there.
 
+pub mod bag;
 mod classes;
 mod drawing;
 mod error;

@@ -5,7 +5,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use experiments::calibrate::{Calibration, Number, Record, calibrate, write_robot};
-use recorder::Table;
+use recorder::{Table, bag};
+use scene::RobotDef;
 
 use crate::output::keep_inputs;
 use crate::{Failure, exit, log, print};
@@ -17,9 +18,10 @@ const MAX_TABLE: u64 = 512 << 20;
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  usarsim calibrate run.mcap my-robot/robot.toml\n  usarsim calibrate drive.csv my-robot/robot.toml --out calibrated.toml\n  \
-    usarsim calibrate run.mcap P3AT --robot 2 --json\n\nA log is one of `usarsim serve --log`, or a table with the columns time (s), x, y (m), yaw (rad), and \
+    usarsim calibrate run.mcap P3AT --robot 2 --json\n  \
+    usarsim calibrate bag.mcap my-robot/robot.toml --poses /vrpn/robot/pose --wheels fl,fr,rl,rr\n\nA log is one of `usarsim serve --log`, a bag of ROS 2 (MCAP), or a table with the columns time (s), x, y (m), yaw (rad), and \
     wheel_angle_1 (rad) or wheel_speed_1 (rad/s) for each driven wheel, in the robot's order. What to drive, and what a log cannot tell: \
-    docs/howto-calibrate.md."
+    docs/howto-calibrate.md. A bag of ROS 2 has the wheels in sensor_msgs/JointState."
 )]
 pub(crate) struct Arguments {
     /// Log of the robot: .mcap, or a table as CSV.
@@ -31,6 +33,15 @@ pub(crate) struct Arguments {
     /// Only this robot of the log, by number, or in an .mcap by name.
     #[arg(long = "robot", value_name = "ROBOT")]
     only: Option<String>,
+    /// Topic of sensor_msgs/JointState in a bag of ROS 2; by default the only one.
+    #[arg(long, value_name = "TOPIC")]
+    joints: Option<String>,
+    /// Topic of the poses in a bag: geometry_msgs/PoseStamped or nav_msgs/Odometry; by default the only one.
+    #[arg(long, value_name = "TOPIC")]
+    poses: Option<String>,
+    /// Names of the wheels' joints in a bag, in the robot's order; by default those of the robot.
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
+    wheels: Vec<String>,
     /// File for robot.toml with the numbers that were found.
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
@@ -40,10 +51,10 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { log, robot, only, out, json } = arguments;
+    let Arguments { log, robot, only, out, json, .. } = arguments;
     let bad = |error: &dyn std::fmt::Display| Failure::new(exit::BAD_CONFIGURATION, error);
     let def = scene_loader::robot(robot, &[]).map_err(|error| bad(&error))?;
-    let record = record(log, only.as_deref())?;
+    let record = if is_bag(log)? { of_bag(arguments, &def)? } else { record(log, only.as_deref())? };
     let found = calibrate(&record, &def).map_err(|error| bad(&format_args!("{}: {error}", log.display())))?;
     let mut changed = Vec::new();
     if let Some(out) = out {
@@ -76,7 +87,7 @@ fn record(file: &Path, only: Option<&str>) -> Result<Record, Failure> {
     let bad = |error: &dyn std::fmt::Display| {
         Failure::new(exit::BAD_CONFIGURATION, format_args!("{}: {error}", file.display()))
     };
-    if file.extension().is_some_and(|it| it.eq_ignore_ascii_case("mcap")) {
+    if is_mcap(file) {
         let read = log::read(file)?;
         let robot = only.map(|wanted| log::robot(&read, file, wanted)).transpose()?;
         return Record::read(&Table::of(&read, robot).to_csv().collect::<Vec<_>>().join("\n"), None)
@@ -89,6 +100,40 @@ fn record(file: &Path, only: Option<&str>) -> Result<Record, Failure> {
         return Err(bad(&format_args!("more than {} MB: expected a shorter table", MAX_TABLE >> 20)));
     }
     Record::read(&text, only).map_err(|error| bad(&error))
+}
+
+fn is_mcap(file: &Path) -> bool {
+    file.extension().is_some_and(|it| it.eq_ignore_ascii_case("mcap"))
+}
+
+fn is_bag(file: &Path) -> Result<bool, Failure> {
+    Ok(is_mcap(file) && bag::is_bag(file).map_err(|error| Failure::new(exit::BAD_DATA, error))?)
+}
+
+/// Reads a bag of ROS 2.
+fn of_bag(arguments: &Arguments, robot: &RobotDef) -> Result<Record, Failure> {
+    let Arguments { log: file, joints, poses, wheels, .. } = arguments;
+    let bag =
+        bag::read(file, joints.as_deref(), poses.as_deref()).map_err(|error| Failure::new(exit::BAD_DATA, error))?;
+    log::report_damage(file, bag.damage.as_deref());
+    let own = robot.driven().map(|wheel| ros2_topics::name(wheel.name));
+    let wanted = if wheels.is_empty() { own.collect() } else { wheels.clone() };
+    let mut places = Vec::new();
+    for name in &wanted {
+        let place = bag.names.iter().position(|it| it == name).ok_or_else(|| {
+            let (topic, names) = (&bag.topics[0], bag.names.join(", "));
+            let message = format!(
+                "no joint `{name}` on {topic}: it has {names}; name the wheels' with --wheels, in the robot's order"
+            );
+            Failure::new(exit::BAD_DATA, format_args!("{}: {message}", file.display()))
+        })?;
+        places.push(place);
+    }
+    let wheels = bag.joints.iter().filter_map(|(time, angles)| {
+        Some((*time, places.iter().map(|&place| angles.get(place).copied()).collect::<Option<Vec<f64>>>()?))
+    });
+    Record::join(bag.poses, wheels.collect())
+        .map_err(|error| Failure::new(exit::BAD_DATA, format_args!("{}: {error}", file.display())))
 }
 
 fn show(found: &Calibration) {

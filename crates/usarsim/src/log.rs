@@ -56,7 +56,7 @@ pub(crate) fn read(file: &Path) -> Result<Log, Failure> {
 }
 
 /// Reports that a file could be read only in part.
-fn report_damage(file: &Path, damage: Option<&str>) {
+pub(crate) fn report_damage(file: &Path, damage: Option<&str>) {
     if let Some(damage) = damage {
         crate::complain(format_args!("{}: {damage}; everything before it is used", file.display()));
     }

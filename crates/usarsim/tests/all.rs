@@ -2,6 +2,7 @@
 
 mod attack;
 mod book;
+mod calibrate;
 mod cli;
 mod descriptors;
 mod experiment;

@@ -119,6 +119,40 @@ impl Record {
         Ok(record)
     }
 
+    /// Joins poses with the angles of wheels that were measured at other times. Each is a time, s, with x, y, m, and yaw, rad, or with the
+    /// angles, rad. A pose gets the angles between its neighbours'; poses before the first and after the last angles are left out.
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub fn join(mut poses: Vec<(f64, [f64; 3])>, mut wheels: Vec<(f64, Vec<f64>)>) -> Result<Self, RecordError> {
+        let count = wheels.first().map_or(0, |(_, angles)| angles.len());
+        if poses.len().max(wheels.len()) > MAX_SAMPLES || count > MAX_WHEELS {
+            return Err(RecordError::Size);
+        }
+        poses.retain(|(time, pose)| time.is_finite() && pose.iter().all(|it| it.is_finite()));
+        wheels.retain(|(time, angles)| time.is_finite() && angles.iter().all(|it| it.is_finite()));
+        poses.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+        poses.dedup_by(|(one, _), (other, _)| one <= other);
+        wheels.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+        wheels.dedup_by(|(one, _), (other, _)| one <= other);
+        let mut record = Self { times: Vec::new(), poses: Vec::new(), angles: Vec::new() };
+        let mut pairs = wheels.windows(2).peekable();
+        for (time, pose) in poses {
+            while pairs.next_if(|pair| pair[1].0 < time).is_some() {}
+            let Some([(from, before), (to, after)]) = pairs.peek() else { break };
+            if time < *from {
+                continue;
+            }
+            let share = (time - from) / (to - from);
+            record.times.push(time);
+            record.poses.push(pose);
+            record
+                .angles
+                .push(before.iter().zip(after).map(|(before, after)| before + share * (after - before)).collect());
+        }
+        Ok(record)
+    }
+
     /// Returns the number of samples.
     pub(super) fn len(&self) -> usize {
         self.times.len()
