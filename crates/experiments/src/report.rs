@@ -17,7 +17,7 @@ const MODELS: [&str; 3] = ["bodies", "analytic", "kinematic"];
 /// Most lines of a table that is shown unasked.
 const MAX_OPEN: usize = 50;
 
-pub(crate) const STYLE: &str = "
+const STYLE: &str = "
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; color: #222 }
 h1, h2 { line-height: 1.2 } h2 { margin-top: 2.5rem }
 table { border-collapse: collapse; width: 100%; font-size: 0.9rem }
@@ -88,6 +88,39 @@ fn page(
     let (runs, experiments) = (count(outcomes.len(), "run"), count(plans.len(), "experiment"));
     let left_out =
         plans.iter().map(Plan::count).sum::<usize>().saturating_sub(plans.iter().map(|it| it.runs().len()).sum());
+    let body = html! {
+        p {
+            (runs) " of usarsim " (env!("CARGO_PKG_VERSION")) ", " (experiments) ". Every step of every run is in "
+            code { "steps.csv" } ", the runs with their seeds in " code { "runs.csv" } ", their means in " code { "summary.csv" }
+            @if has_logs { ", and a log of each under " code { "logs" } } "."
+        }
+        @if left_out > 0 {
+            p {
+                "Left out: " (count(left_out, "run")) " that no figure or claim needs. Each setting has one sample, but where a figure or claim \
+                 is about samples; " code { "--full" } " does all of them."
+            }
+        }
+        @if !claims.is_empty() { (claim_table(claims, outcomes)) }
+        @if !figures.is_empty() { (figure_chapter(figures, !claims.is_empty())) }
+        h2 { "Experiments" }
+        table {
+            tr { th { "name" } th { "what" } th { "runs" } th { "samples differ by" } }
+            @for plan in plans {
+                tr {
+                    td { (plan.name) }
+                    td { (plan.description) }
+                    td.number { (plan.runs().len()) }
+                    td { (differences(plan)) }
+                }
+            }
+        }
+        (summary_table(outcomes))
+    };
+    document(title, &body)
+}
+
+/// Returns a page with a title.
+pub(crate) fn document(title: &str, body: &Markup) -> Markup {
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -99,32 +132,7 @@ fn page(
             }
             body {
                 h1 { (title) }
-                p {
-                    (runs) " of usarsim " (env!("CARGO_PKG_VERSION")) ", " (experiments) ". Every step of every run is in "
-                    code { "steps.csv" } ", the runs with their seeds in " code { "runs.csv" } ", their means in " code { "summary.csv" }
-                    @if has_logs { ", and a log of each under " code { "logs" } } "."
-                }
-                @if left_out > 0 {
-                    p {
-                        "Left out: " (count(left_out, "run")) " that no figure or claim needs. Each setting has one sample, but where a figure or claim \
-                         is about samples; " code { "--full" } " does all of them."
-                    }
-                }
-                @if !claims.is_empty() { (claim_table(claims, outcomes)) }
-                @if !figures.is_empty() { (figure_chapter(figures, !claims.is_empty())) }
-                h2 { "Experiments" }
-                table {
-                    tr { th { "name" } th { "what" } th { "runs" } th { "samples differ by" } }
-                    @for plan in plans {
-                        tr {
-                            td { (plan.name) }
-                            td { (plan.description) }
-                            td.number { (plan.runs().len()) }
-                            td { (differences(plan)) }
-                        }
-                    }
-                }
-                (summary_table(outcomes))
+                (body)
             }
         }
     }

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use charts::{Chart, Series};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 
 use super::{Compared, Row};
 use crate::batch::{BatchError, refused, write};
-use crate::report::STYLE;
+use crate::report::document;
 
 /// Returns the table of all rows as text.
 pub fn text(compared: &[Compared]) -> String {
@@ -92,26 +92,15 @@ fn chart(robot: &Compared) -> Chart {
 }
 
 fn page(compared: &[Compared], figures: &[String]) -> Markup {
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width";
-                title { "Wheels beside real robots" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { "Wheels beside real robots" }
-                p {
-                    "Published measurements, and what usarsim " (env!("CARGO_PKG_VERSION")) " does with the robots' dimensions. A row agrees if the \
-                     difference is within the standard deviation of the measurement or what its file allows, whichever is more."
-                }
-                div.figures { @for svg in figures { figure { (PreEscaped(svg)) } } }
-                @for robot in compared { (robot_table(robot)) }
-            }
+    let body = html! {
+        p {
+            "Published measurements, and what usarsim " (env!("CARGO_PKG_VERSION")) " does with the robots' dimensions. A row agrees if the \
+             difference is within the standard deviation of the measurement or what its file allows, whichever is more."
         }
-    }
+        div.figures { @for svg in figures { figure { (PreEscaped(svg)) } } }
+        @for robot in compared { (robot_table(robot)) }
+    };
+    document("Wheels beside real robots", &body)
 }
 
 fn robot_table(Compared { measured, rows, .. }: &Compared) -> Markup {
