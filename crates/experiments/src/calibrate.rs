@@ -12,8 +12,9 @@ mod file;
 mod fit;
 mod record;
 
-use base_motion::mecanum;
-use scene::{RobotDef, Side};
+use base_motion::{Base, DiffDrive, Model};
+use kinematics::{Mecanum, Twist};
+use scene::{Drivetrain, RobotDef, Side};
 use serde::Serialize;
 
 pub use file::write_robot;
@@ -102,41 +103,14 @@ pub enum CalibrationError {
     Short(usize),
 }
 
-/// Kinematics of a base: its wheels' turning to its way ahead, sideways, and its turn about the vertical.
-enum Base {
-    /// Numbers of the wheels on the left and on the right.
-    Sides([Vec<usize>; 2]),
-    /// Front left, front right, back left, back right.
-    Mecanum,
-}
-
-impl Base {
-    fn of(robot: &RobotDef) -> Option<Self> {
-        if mecanum::finite_rollers(robot).is_some() {
-            return Some(Self::Mecanum);
-        }
-        let is_steered = robot.links.iter().any(|link| link.steered_axle().is_some());
-        let on = |side: Side| {
-            let wheels = robot.driven().enumerate().filter(|(_, wheel)| wheel.side == side && wheel.rollers.is_none());
-            wheels.map(|(number, _)| number).collect::<Vec<_>>()
-        };
-        let sides = [on(Side::Left), on(Side::Right)];
-        (!is_steered && sides.iter().all(|side| !side.is_empty())).then_some(Self::Sides(sides))
-    }
-
-    fn parts(&self, turned: &[f64]) -> [f64; 3] {
-        match self {
-            Self::Sides(sides) => {
-                let mean = |side: &[usize]| side.iter().map(|&wheel| turned[wheel]).sum::<f64>() / side.len() as f64;
-                let [left, right] = [mean(&sides[0]), mean(&sides[1])];
-                [(left + right) / 2.0, 0.0, left - right]
-            }
-            Self::Mecanum => {
-                let sum =
-                    |signs: [f64; 4]| turned.iter().zip(signs).map(|(turned, sign)| turned * sign).sum::<f64>() / 4.0;
-                [sum([1.0; 4]), sum([1.0, -1.0, -1.0, 1.0]), sum([1.0, -1.0, 1.0, -1.0])]
-            }
-        }
+/// Returns the kinematics of a robot as if wheel radius, and track or lx + ly, were 1 m. `None` if its wheels do not fit.
+fn unit_base(robot: &RobotDef) -> Option<Base> {
+    Base::of(robot, Model::Ideal)?;
+    let is_plain = || robot.driven().all(|wheel| wheel.rollers.is_none());
+    match robot.drivetrain() {
+        Drivetrain::Mecanum => Some(Base::Mecanum(Mecanum { half_wheelbase: 0.5, half_track: 0.5, wheel_radius: 1.0 })),
+        Drivetrain::Sides if is_plain() => Some(Base::of_driver(robot, DiffDrive { track: 1.0, radii: [1.0; 2] })),
+        _ => None,
     }
 }
 
@@ -160,7 +134,7 @@ struct Window {
 /// # Errors
 /// When the robot has no fitting wheels, the record has others, or tells nothing.
 pub fn calibrate(record: &Record, robot: &RobotDef) -> Result<Calibration, CalibrationError> {
-    let base = Base::of(robot).ok_or_else(|| CalibrationError::Wheels(robot.class.clone()))?;
+    let base = unit_base(robot).ok_or_else(|| CalibrationError::Wheels(robot.class.clone()))?;
     let expected = robot.driven().count();
     if record.wheels() != expected {
         return Err(CalibrationError::Count { got: record.wheels(), expected });
@@ -190,24 +164,25 @@ pub fn calibrate(record: &Record, robot: &RobotDef) -> Result<Calibration, Calib
     let over_turn = quotient(radius, turn.number(0));
     let mut curves = Vec::new();
     match &base {
-        Base::Sides(sides) => {
-            let across = |side: usize| robot.driven().nth(sides[side][0]).map_or(0.0, |wheel| wheel.position[1]);
-            let is_sliding = sides[0].len() > 1;
-            let in_file = (!is_sliding).then(|| across(1) - across(0));
-            found.add(TRACK, "m", over_turn, in_file, "the robot hardly turns");
-            found.add_offset(CENTRE, "m", way.number(1), "the robot hardly turns");
-            curves = by_curvature(&windows, radius[0]);
-            found.missing.push(
-                "stiffness of tyres: see the effective track by curvature, which a file of `usarsim experiment real` takes".to_owned(),
-            );
-        }
-        Base::Mecanum => {
+        Base::Mecanum(_) => {
             found.add(ASIDE, "", quotient(way.number(1), radius), None, "the robot hardly goes sideways");
             let sum = wheel.map(|wheel| wheel.position[0].abs() + wheel.position[1].abs());
             found.add(SUM, "m", over_turn, sum, "the robot hardly turns");
             found
                 .missing
                 .push("friction of the rollers' bearings: a record of poses and wheels has no torques".to_owned());
+        }
+        _ => {
+            let on = |side: Side| robot.driven().filter(move |wheel| wheel.side == side);
+            let across = |side: Side| on(side).next().map_or(0.0, |wheel| wheel.position[1]);
+            let is_sliding = on(Side::Left).count() > 1;
+            let in_file = (!is_sliding).then(|| across(Side::Right) - across(Side::Left));
+            found.add(TRACK, "m", over_turn, in_file, "the robot hardly turns");
+            found.add_offset(CENTRE, "m", way.number(1), "the robot hardly turns");
+            curves = by_curvature(&windows, radius[0]);
+            found.missing.push(
+                "stiffness of tyres: see the effective track by curvature, which a file of `usarsim experiment real` takes".to_owned(),
+            );
         }
     }
     found.missing.push("rolling resistance: a record of poses and wheels has no torques".to_owned());
@@ -243,7 +218,7 @@ impl Found {
     }
 }
 
-/// Divides two numbers with halves of their intervals, whose errors do not depend on each other.
+/// Divides two numbers with halves of their intervals, as if their errors did not depend on each other.
 fn quotient([one, half_one]: [f64; 2], [other, half_other]: [f64; 2]) -> [f64; 2] {
     let value = one / other;
     [value, value.abs() * ((half_one / one).powi(2) + (half_other / other).powi(2)).sqrt()]
@@ -278,11 +253,11 @@ fn windows(record: &Record, base: &Base, mirror: f64) -> Vec<Window> {
         let mut turned_most = 0.0_f64;
         for sample in first..last {
             let turned = record.turned(sample);
-            let [ahead, aside, about] = base.parts(&turned);
+            let Twist { forward: ahead, right: aside, clockwise: about } = base.displacement(&turned, &[], [0.0; 2]);
             let step = scene::wrapped(pose(sample + 1)[2] - pose(sample)[2]);
             // The direction in the middle of the step.
             let direction = window.turn + step / 2.0;
-            let across = if matches!(base, Base::Mecanum) { aside } else { step };
+            let across = if matches!(base, Base::Mecanum(_)) { aside } else { step };
             for (sum, part) in [(&mut window.ahead, [ahead, 0.0]), (&mut window.aside, [0.0, across])] {
                 sum.iter_mut().zip(into(part, direction)).for_each(|(sum, part)| *sum += part);
             }
