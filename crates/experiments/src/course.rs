@@ -340,7 +340,7 @@ pub(crate) fn exact_step(kinematics: &FiniteRollers, before: [f64; 4], after: [f
 }
 
 /// Returns the heading clockwise from the world's x axis, rad.
-fn heading(body: &BodyState) -> f64 {
+pub(crate) fn heading(body: &BodyState) -> f64 {
     let ahead = body.pose.rotation * Vector3::x();
     ahead.y.atan2(ahead.x)
 }

@@ -13,7 +13,7 @@ use scene::wrapped;
 use serde::{Deserialize, Serialize};
 use sim_core::{Options, World};
 
-use crate::course::{Course, Motion, MotionError};
+use crate::course::{Course, Motion, MotionError, drive, heading};
 use crate::thesis::toml_files;
 pub use robot::{Dimensions, Floor};
 
@@ -235,7 +235,7 @@ fn chi(measured: &Measured, curvature: f64) -> Result<f64, MotionError> {
     let id = world.init(&init, &mut problems).ok_or(MotionError::Refused(problems))?;
     let fast = SPEED / radius;
     let slow = fast * (curvature - 1.0) / (curvature + 1.0);
-    world.execute(Some(id), &robot::turn([fast, slow]), &mut Vec::new());
+    world.execute(Some(id), &drive(&[("Left", fast), ("Right", slow)]), &mut Vec::new());
     let steps = |seconds: f64| (seconds / world.time_step()).round() as u64;
     let [before, during] = TIMES.map(steps);
     (0..before).for_each(|_| drop(world.step()));
@@ -243,7 +243,7 @@ fn chi(measured: &Measured, curvature: f64) -> Result<f64, MotionError> {
         let wheels = world.state(id).map(|(_, wheels)| wheels).unwrap_or_default();
         wheels.first().zip(wheels.get(1)).map_or(0.0, |(left, right)| left.angle - right.angle)
     };
-    let heading = |world: &World| world.state(id).map_or(0.0, |(body, _)| body.pose.rotation.euler_angles().2);
+    let heading = |world: &World| world.state(id).map_or(0.0, |(body, _)| heading(&body));
     let start = difference(&world);
     let (mut turned, mut last) = (0.0, heading(&world));
     for _ in 0..during {

@@ -2,14 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use gamebots_proto::command::Command;
 use nalgebra::{Matrix3, Vector3};
 use scene::{
     Link, MapDef, Material, Motor, Part, RobotDef, Rollers, Shape, Side, Solid, Steering, Tyre, Wheel, WorldDef,
 };
 use serde::Deserialize;
-
-use crate::course::drive;
 
 /// Class of the robot in its world.
 pub(super) const CLASS: &str = "Measured";
@@ -177,7 +174,7 @@ impl Dimensions {
             belt: None,
             tyre: self.tyre,
         };
-        // They form an X as seen from above.
+        // Axes of the rollers form an X as seen from above.
         let rollers = |RollersEntry { count, bearing_friction }: RollersEntry, sign: f64| Rollers {
             count,
             axis_circle: AXIS_CIRCLE * radius,
@@ -206,9 +203,4 @@ impl Dimensions {
         let steering = if self.rollers.is_some() { Steering::Omni } else { Steering::Skid };
         RobotDef::new(CLASS, steering, links)
     }
-}
-
-/// Returns the command that turns the wheels of both sides, rad/s.
-pub(super) fn turn([left, right]: [f64; 2]) -> Command {
-    drive(&[("Left", left), ("Right", right)])
 }
