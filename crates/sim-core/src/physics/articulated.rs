@@ -228,9 +228,7 @@ impl ArticulatedRobot {
 
     /// Applies servos, gravity, rolling resistance and friction of bearings for the coming step.
     fn before_step(&mut self, gravity: Vector3<f64>, time_step: f64) {
-        if self.compiled.following.is_none() {
-            self.brake_rollers(gravity, time_step);
-        }
+        self.brake_rollers(gravity, time_step);
         let Self { compiled, body, servos, targets, loads, resistances, .. } = self;
         body.set_gravity(if self.flies { Vector3::zeros() } else { gravity });
         motor::follow_targets(compiled.joints.iter().map(|joint| &joint.value), targets, servos);

@@ -2,7 +2,8 @@
 //!
 //! So it is a moment on a driven wheel, which its motor gives or which brakes it: it moves no hub, and costs a wheel that slides no friction.
 //! On a wheel that turns freely the moment is that of a force against the motion of its hub, which is how casters and Mecanum wheels are
-//! braked (docs/kinematics.md). Bearings of rollers brake these by a moment of their own. `bodies` brakes all wheels so: the engine's contacts do not feel the servo that would give the moment.
+//! braked (docs/kinematics.md). `bodies` brakes all wheels so: the engine's contacts do not feel the servo that would give the moment. The
+//! bearings of rollers brake these by a moment of their own.
 //!
 //! The coefficient of a pair is the sum of both materials', as both are deformed. The load is that of the last step.
 

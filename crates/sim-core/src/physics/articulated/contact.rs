@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use super::super::identity::BodyId;
 use super::super::rolling::Load;
 use super::ArticulatedRobot;
+use super::compile::Ring;
 use super::finding::{CandidateContact, Counterpart, Key, MARGIN};
 use super::form::{Form, Surface};
 use super::tyre::{Grip, Motion, Tread};
@@ -228,13 +229,16 @@ impl ArticulatedRobot {
     /// Brakes the rollers that carry by the dry friction of their bearings, under the loads of the last step: a moment between roller and
     /// wheel, or, without links, a force along the way that the roller turns. It is no more than stops the robot's motion along that way.
     pub(super) fn brake_rollers(&mut self, gravity: Vector3<f64>, time_step: f64) {
+        let has_friction = |ring: &Ring| ring.bearing_friction > 0.0;
+        if self.compiled.following.is_some() || !self.compiled.rings.iter().any(has_friction) {
+            return;
+        }
         let compiled = self.compiled.clone();
-        let has_ring = |surface: &Surface| matches!(surface.form, Form::Rollers(_));
-        for (number, surface) in compiled.surfaces.iter().enumerate().filter(|(_, surface)| has_ring(surface)) {
+        for (number, surface) in compiled.surfaces.iter().enumerate() {
             let (Form::Rollers(ring), Some(wheel)) = (surface.form, surface.wheel) else { continue };
             let ring = &compiled.rings[ring];
             let Load { normal, .. } = self.loads[wheel];
-            if ring.bearing_friction == 0.0 || normal == Vector3::zeros() {
+            if !has_friction(ring) || normal == Vector3::zeros() {
                 continue;
             }
             let touching = self.found.iter().filter(|it| it.key.surface == number);

@@ -116,9 +116,11 @@ impl Grip {
         if share > 0.0 { slip.map(|slip| slip / share) } else { [0.0; 2] }
     }
 
-    /// Returns the distance behind the wheel's middle at which the force across acts while it rolls, m.
+    /// Returns the distance behind the wheel's middle at which the force across acts while it rolls, m: the moment mu N a x (1 - x)^3 of the
+    /// brush, at a share x of full sliding, over its force.
     pub(super) fn trail(&self, tyre: &Tyre) -> f64 {
-        trail(tyre, self.share)
+        let share = self.share;
+        tyre.patch[0] * (1.0 - share).powi(3) / (3.0 - 3.0 * share + share * share)
     }
 }
 
@@ -126,11 +128,6 @@ impl Grip {
 fn share(tyre: &Tyre, friction: f64, deflection: Deflection) -> f64 {
     let part = |way: usize| tyre.stiffness[way] * deflection[way] / (tyre.relaxation() * tyre.friction[way]);
     length([part(0), part(1)]) / (3.0 * friction)
-}
-
-/// Computes the trail of a brush at a share of full sliding: its moment M = mu F a x (1 - x)^3 over its force.
-fn trail(tyre: &Tyre, share: f64) -> f64 {
-    tyre.patch[0] * (1.0 - share).powi(3) / (3.0 - 3.0 * share + share * share)
 }
 
 fn length([one, other]: [f64; 2]) -> f64 {
