@@ -158,3 +158,77 @@ fn rollers_turn_when_the_robot_goes_sideways() {
         assert!([bodies, analytic].iter().all(|angle| (-1.9..-0.9).contains(*angle)), "{turned:?}");
     }
 }
+
+/// Friction of a contact that slides is all that it has, and pushes against the slip. The slip is the motion of the wheel's tread over the
+/// ground, as the velocities of base and wheel give it.
+#[test]
+fn a_contact_that_slides_pushes_against_its_slip() {
+    for model in [DriveModel::Articulated, DriveModel::Bodies] {
+        let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
+        def.robots.get_mut("P3AT").unwrap().set_drive_model(Some(model));
+        let mut world = World::new(def, Options::default());
+        let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}");
+        apply(&mut world, robot, "DRIVE {Left 1}{Right -1}");
+        run(&mut world, 2.0);
+        let seen = world.observe(robot).unwrap();
+        let (body, speeds) = world.state(robot).unwrap();
+        let class = world.def().robots["P3AT"].clone();
+        let wheels: Vec<_> = class.wheels().collect();
+        assert!(seen.contacts.len() >= 4, "{model:?}");
+        for contact in seen.contacts {
+            let number = contact.wheel.expect("only wheels touch");
+            let ahead = body.pose.rotation * Vector3::x();
+            let moves = body.linear + body.angular.cross(&(contact.point - body.pose.translation.vector));
+            let expected = moves - ahead * (speeds[number].speed * wheels[number].radius);
+            let off = (contact.slip - expected).xy().norm();
+            println!("{model:?}: wheel {number} slips at {:.4?}, expected {expected:.4?}", contact.slip.as_slice());
+            // The engine's wheels, softly driven, tremble.
+            let is_exact = model == DriveModel::Articulated;
+            assert!(!is_exact || off < 2e-4, "{:?}, expected {expected:?}", contact.slip);
+            assert!(contact.friction_share > 0.99, "{model:?}: {contact:?}");
+            if is_exact {
+                let [force, slip] = [contact.force, contact.slip].map(|vector| vector.xy());
+                let against = -force.dot(&slip) / (force.norm() * slip.norm());
+                // Rolling resistance is in the forces, too.
+                assert!(against > 0.99, "{contact:?} pushes {against} against its slip");
+            }
+        }
+    }
+}
+
+/// A robot that stands on a slope needs the slope's tangent over the coefficient of the friction that it has.
+#[test]
+fn a_robot_on_a_slope_uses_a_part_of_its_friction() {
+    let mut world = world("slope-4.5", DriveModel::Articulated);
+    let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Start RobotStart2}");
+    run(&mut world, 2.0);
+    let seen = world.observe(robot).unwrap();
+    let class = world.def().robots["P3AT"].clone();
+    let wheel = class.wheels().next().unwrap();
+    let floor = &world.def().map.solids[0].material;
+    let part = 4.5_f64.to_radians().tan() / wheel.material.pair(floor).0;
+    let load: f64 = seen.contacts.iter().map(|contact| contact.force.norm()).sum();
+    let mean = seen.contacts.iter().map(|contact| contact.friction_share * contact.force.norm() / load).sum::<f64>();
+    println!("{mean:.4} of its friction, expected {part:.4}");
+    assert!((mean - part).abs() < 0.02 * part, "{mean}, expected {part}");
+    assert!(seen.contacts.iter().all(|contact| contact.slip.norm() < 1e-4), "{:?}", seen.contacts);
+}
+
+/// A roller turns without slip: in a motion sideways contacts slip by far less than the wheel's surface passes the ground.
+#[test]
+fn rollers_that_turn_do_not_slip() {
+    for model in [DriveModel::Articulated, DriveModel::Analytic] {
+        let mut world = world("rough", model);
+        let robot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Start PlayerStart_0}");
+        apply(&mut world, robot, "DRIVE {Front-Left 2}{Front-Right -2}{Back-Left -2}{Back-Right 2}");
+        run(&mut world, 1.0);
+        let mut slips: Vec<f64> = Vec::new();
+        for _ in 0..500 {
+            world.step();
+            slips.extend(world.observe(robot).unwrap().contacts.iter().map(|contact| contact.slip.norm()));
+        }
+        let mean = slips.iter().sum::<f64>() / slips.len() as f64;
+        println!("{model:?}: mean slip {:.2} mm/s of {} contacts", 1000.0 * mean, slips.len());
+        assert!(mean < 0.015, "{model:?}: {mean} m/s where the surface passes at 0.1 m/s");
+    }
+}

@@ -129,3 +129,19 @@ fn tyres_at_the_ends_of_their_ranges_drive() {
         }
     }
 }
+
+/// In a wide curve a tyre holds by a part of its friction, where a rigid disc slides.
+#[test]
+fn a_tyre_in_a_curve_uses_a_part_of_its_friction() {
+    let used = [None, Some(TYRE)].map(|tyre| {
+        let mut world = world([0.0; 3], tyre);
+        let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 0,0,-0.2}");
+        apply(&mut world, robot, "DRIVE {Left 3.03}{Right 2.97}");
+        run(&mut world, 3.0);
+        let contacts = world.observe(robot).expect("the robot").contacts;
+        assert!(contacts.len() >= 4 && contacts.iter().all(|contact| contact.wheel.is_some()), "{contacts:?}");
+        contacts.iter().map(|contact| contact.friction_share).fold(0.0, f64::max)
+    });
+    println!("{used:.3?}");
+    assert!(used[0] > 0.99 && (0.02..0.5).contains(&used[1]), "{used:?}");
+}

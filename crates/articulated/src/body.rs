@@ -217,6 +217,12 @@ impl Body {
         linear + angular.cross(&(point - self.centre() - origin))
     }
 
+    /// Returns the velocity at which a link's belt runs over the link where it touches a plane, m/s; zero without a belt. The normal points
+    /// into the link, in world axes.
+    pub fn belt_velocity(&self, link: usize, normal: Vector3<f64>) -> Vector3<f64> {
+        self.belt_at(link, normal).map_or_else(Vector3::zeros, |(dof, run)| run * self.velocity[dof])
+    }
+
     /// Returns the degree of freedom of a link's belt, and the velocity of the belt's surface at a sprocket speed of 1 where it touches a
     /// plane, m. The normal, either way, is in world axes. `None` for a link without a belt.
     pub(crate) fn belt_at(&self, link: usize, normal: Vector3<f64>) -> Option<(usize, Vector3<f64>)> {

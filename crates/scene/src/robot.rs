@@ -218,6 +218,13 @@ impl RobotDef {
         self.wheels().filter(|wheel| wheel.drive.is_some())
     }
 
+    /// Returns the number of a wheel among the driven wheels, from its number among all. `None` for a free one.
+    pub fn driven_number(&self, wheel: usize) -> Option<usize> {
+        let mut wheels = self.wheels().take(wheel + 1);
+        let before = wheels.by_ref().take(wheel).filter(|it| it.drive.is_some()).count();
+        wheels.next().filter(|it| it.drive.is_some()).map(|_| before)
+    }
+
     /// True if the robot has joints other than those of wheels.
     pub fn has_joints(&self) -> bool {
         self.links.iter().any(|link| link.joint.is_some() && link.wheel.is_none())

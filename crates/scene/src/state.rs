@@ -111,4 +111,13 @@ pub struct Contact {
     pub point: Vector3<f64>,
     /// Force on the robot over the last step, world axes, N: the sum of the normal force, friction and rolling resistance.
     pub force: Vector3<f64>,
+    /// Wheel that it pushes, among all wheels of the class. `None` for another part.
+    #[serde(default)]
+    pub wheel: Option<usize>,
+    /// Slip, world axes, m/s: velocity of the robot's surface over what it touches, along that. A free roller slips along its axis only.
+    #[serde(default)]
+    pub slip: Vector3<f64>,
+    /// Friction over the most that the contact can give, 0 to 1. A contact that slides has 1, one without friction 0.
+    #[serde(default)]
+    pub friction_share: f64,
 }

@@ -87,7 +87,7 @@ pub(crate) struct ArticulatedRobot {
     /// base follow its commands.
     resistances: Vec<Vector3<f64>>,
     /// Contacts of the last step, each with the wheel that it pushed.
-    contacts: Vec<(Option<usize>, Contact)>,
+    contacts: Vec<Contact>,
     /// Poses and bounds of the surfaces in the current step.
     placed: Vec<Placed>,
     bounds: Bounds,
@@ -430,8 +430,8 @@ impl ArticulatedRobot {
         self.compiled.joints.iter().map(|joint| (joint.value.is_wheel, joint.state(&self.body)))
     }
 
-    /// Returns the contacts of the last step, each with the wheel that it pushed.
-    pub(super) fn contacts(&self) -> &[(Option<usize>, Contact)] {
+    /// Returns the contacts of the last step.
+    pub(super) fn contacts(&self) -> &[Contact] {
         &self.contacts
     }
 

@@ -133,8 +133,8 @@ impl Mechanism {
         }
     }
 
-    /// Returns the contacts of the last step, each with the number of the wheel that it pushed.
-    pub(super) fn contacts(&self, world: &PhysicsWorld) -> Vec<(Option<usize>, Contact)> {
+    /// Returns the contacts of the last step.
+    pub(super) fn contacts(&self, world: &PhysicsWorld) -> Vec<Contact> {
         match self {
             Self::Bodies(robot) => robot.contacts(world),
             Self::Articulated(robot) => robot.contacts().to_vec(),

@@ -14,13 +14,13 @@ impl Physics {
     /// Returns the contacts of a robot in the last step. Rolling resistance, a force on a hub, is added to the contacts of its wheel, so
     /// the sum is the ground's force.
     pub(crate) fn contacts(&self, bodies: &RobotBodies) -> Vec<Contact> {
-        let found = bodies.mechanism().contacts(&self.world);
-        let on = |part: Option<usize>| found.iter().filter(move |it| it.0 == part).map(|it| it.1);
-        let mut contacts: Vec<Contact> = on(None).collect();
-        for (number, &resistance) in bodies.mechanism().resistances().iter().enumerate() {
-            let before = contacts.len();
-            contacts.extend(on(Some(number)));
-            share(&mut contacts[before..], resistance);
+        let mut contacts = bodies.mechanism().contacts(&self.world);
+        contacts.sort_by_key(|contact| contact.wheel);
+        let resistances = bodies.mechanism().resistances();
+        for of_part in contacts.chunk_by_mut(|one, other| one.wheel == other.wheel) {
+            if let Some(&resistance) = of_part[0].wheel.and_then(|wheel| resistances.get(wheel)) {
+                share(of_part, resistance);
+            }
         }
         contacts
     }

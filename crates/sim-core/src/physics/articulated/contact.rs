@@ -279,12 +279,14 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Records the impulse of a contact on one of the surfaces. `sign` is 1 for the first body and -1 for the second.
+    /// Records the impulse of a contact on one of the surfaces. `sign` is 1 for the first body and -1 for the second. `slip` is that of the
+    /// first body's surface over the second's, m/s.
     pub(super) fn note(
         &mut self,
         surface: usize,
         found: &CandidateContact,
         contact: &Contact,
+        slip: Vector3<f64>,
         sign: f64,
         time_step: f64,
     ) {
@@ -293,11 +295,39 @@ impl ArticulatedRobot {
             return;
         }
         let wheel = self.compiled.surfaces[surface].wheel;
-        let force = contact.impulse * (sign / time_step);
-        self.contacts.push((wheel, scene::Contact { point: contact.point, force }));
+        self.contacts.push(scene::Contact {
+            point: contact.point,
+            force: contact.impulse * (sign / time_step),
+            wheel,
+            slip: slip * sign,
+            friction_share: friction_share(contact, push),
+        });
         if let Some(load) = wheel.map(|wheel| &mut self.loads[wheel]) {
             load.normal += contact.normal * (sign * push);
             load.resistance += found.resistance * push;
         }
     }
+
+    /// Returns the part of the velocity of one of its contacts that is slip: along the surface, and for a roller without a link along its
+    /// axis.
+    pub(super) fn slip(&self, found: &CandidateContact, contact: &Contact, velocity: Vector3<f64>) -> Vector3<f64> {
+        let along = velocity - contact.normal * contact.normal.dot(&velocity);
+        let has_no_link = contact.first.link == self.compiled.surfaces[found.key.surface].link;
+        match found.touch.roller.filter(|_| has_no_link) {
+            Some(RollerTouch { axis, .. }) => {
+                let axis = axis - contact.normal * contact.normal.dot(&axis);
+                axis.try_normalize(1e-6).map_or(along, |axis| axis * axis.dot(&velocity))
+            }
+            None => along,
+        }
+    }
+}
+
+/// Returns the friction of a contact over the most that it can give under its normal impulse, N s.
+fn friction_share(contact: &Contact, push: f64) -> f64 {
+    let most = contact.friction * push;
+    // The impulse of a row that is scaled by a ratio lies along its scaled tangent.
+    let row = |tangent: &Vector3<f64>| tangent.dot(&contact.impulse) / tangent.norm_squared();
+    let used = contact.tangents.iter().flatten().map(|tangent| row(tangent).powi(2)).sum::<f64>().sqrt();
+    if most > 0.0 { (used / most).min(1.0) } else { 0.0 }
 }

@@ -22,6 +22,7 @@ pub(crate) struct SavedTree {
     joint_impulses: Vec<f64>,
     loads: Vec<Load>,
     resistances: Vec<Vector3<f64>>,
+    /// Contacts with their wheels. Files from before contacts had a wheel of their own have it only here.
     contacts: Vec<(Option<usize>, Contact)>,
     flies: bool,
     known: Vec<(Key, Vector3<f64>)>,
@@ -53,7 +54,7 @@ impl ArticulatedRobot {
             joint_impulses: self.joint_impulses.clone(),
             loads: self.loads.clone(),
             resistances: self.resistances.clone(),
-            contacts: self.contacts.clone(),
+            contacts: self.contacts.iter().map(|&contact| (contact.wheel, contact)).collect(),
             flies: self.flies,
             known: self.known.clone(),
             deflections: self.deflections.clone(),
@@ -78,7 +79,7 @@ impl ArticulatedRobot {
             self.joint_impulses = saved.joint_impulses;
             self.loads = saved.loads;
             self.resistances = saved.resistances;
-            self.contacts = saved.contacts;
+            self.contacts = saved.contacts.into_iter().map(|(wheel, contact)| Contact { wheel, ..contact }).collect();
             self.flies = saved.flies;
             self.known = saved.known;
             self.deflections = saved.deflections;

@@ -368,7 +368,11 @@ impl Step<'_> {
         cost.unsettled += u64::from(!outcome.is_settled);
         cost.work += outcome.work;
         let (mut contacts, mut joints) = (contacts.as_slice(), joints.as_slice());
-        group.iter_mut().filter_map(Member::robot).for_each(ArticulatedRobot::forget);
+        for robot in group.iter_mut().filter_map(Member::robot) {
+            robot.forget();
+            robot.advance(self.time_step);
+            robot.bounds.is_known = false;
+        }
         for body in 0..group.len() {
             let Some(robot) = group[body].robot() else { continue };
             let found = std::mem::take(&mut robot.found);
@@ -380,8 +384,9 @@ impl Step<'_> {
             joints = rest;
             robot.note_joints(own_joints, self.time_step);
             for (it, contact) in found.iter().zip(own) {
+                let slip = self.slip(group, it, contact);
                 if let Some(robot) = group[body].robot() {
-                    robot.note(it.key.surface, it, contact, 1.0, self.time_step);
+                    robot.note(it.key.surface, it, contact, slip, 1.0, self.time_step);
                     if let Some(other) = it.key.body() {
                         self.note_push(robot.id, other, contact.impulse, pushes);
                         self.note_push(other, robot.id, -contact.impulse, pushes);
@@ -390,7 +395,7 @@ impl Step<'_> {
                 let Some(Side { body, .. }) = contact.second else { continue };
                 match (&mut group[body].is, it.counterpart) {
                     (Is::Robot(robot), Counterpart::Robot(_, surface) | Counterpart::Itself(surface)) => {
-                        robot.note(surface, it, contact, -1.0, self.time_step);
+                        robot.note(surface, it, contact, slip, -1.0, self.time_step);
                     }
                     (Is::OfEngine(of_engine), Counterpart::OfEngine(_, link)) => {
                         of_engine.reactions.push((link, contact.point, -contact.impulse));
@@ -400,8 +405,6 @@ impl Step<'_> {
             }
             if let Some(robot) = group[body].robot() {
                 robot.found = found;
-                robot.advance(self.time_step);
-                robot.bounds.is_known = false;
             }
         }
         if let Some(before) = energy {
@@ -439,6 +442,36 @@ impl Step<'_> {
             let share = ((motion - gained).max(0.0) / motion).sqrt();
             group.iter_mut().filter_map(Member::robot).for_each(|robot| robot.slow_down(share));
         }
+    }
+
+    /// Computes the slip of a contact that carries at the end of a step, m/s. Nobody sees that of an object on the ground.
+    fn slip(self, group: &[Member], found: &CandidateContact, contact: &Contact) -> Vector3<f64> {
+        let &Contact { point, normal, first, second, impulse, .. } = contact;
+        let Is::Robot(robot) = &group[first.body].is else { return Vector3::zeros() };
+        let is_seen = second.is_some() || !matches!(robot.id, BodyId::Object(_));
+        if !is_seen || impulse.dot(&normal) <= 0.0 {
+            return Vector3::zeros();
+        }
+        let of_second = second.map_or(found.drift, |second| self.velocity(group, second, point, -normal));
+        robot.slip(found, contact, self.velocity(group, first, point, normal) - of_second)
+    }
+
+    /// Computes the velocity of the surface of a side of a contact at the end of a step, m/s. The point is where it was before robots moved
+    /// on. The normal points into the side.
+    fn velocity(
+        self,
+        group: &[Member],
+        Side { body, link }: Side,
+        point: Vector3<f64>,
+        normal: Vector3<f64>,
+    ) -> Vector3<f64> {
+        let member = &group[body];
+        let body = member.body();
+        let moved = match member.is {
+            Is::Robot(_) => body.frames()[link].linear * self.time_step,
+            Is::OfEngine(_) => Vector3::zeros(),
+        };
+        body.velocity_at(link, point + moved) + body.belt_velocity(link, normal)
     }
 
     /// Records an impulse on an object, if the object needs it.

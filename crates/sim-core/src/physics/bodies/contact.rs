@@ -1,5 +1,6 @@
 //! Contacts of a robot, with the engine's solution.
 
+use nalgebra::Vector3;
 use rapier3d::geometry::ContactData;
 use rapier3d::prelude::*;
 use scene::Contact;
@@ -10,34 +11,42 @@ use super::super::surface::Materials;
 use super::MultibodyRobot;
 
 impl MultibodyRobot {
-    /// Returns the contacts of the chassis and the wheels in the last step, each with its wheel's number.
-    pub(in super::super) fn contacts(&self, world: &PhysicsWorld) -> Vec<(Option<usize>, Contact)> {
+    /// Returns the contacts of the chassis and the wheels in the last step.
+    pub(in super::super) fn contacts(&self, world: &PhysicsWorld) -> Vec<Contact> {
         let chassis = world.bodies.get(self.links[0]).map_or(&[][..], RigidBody::colliders);
         let wheels = self.treads.iter().enumerate().map(|(number, tread)| (Some(number), tread.as_slice()));
         let parts = std::iter::once((None, chassis)).chain(wheels);
-        let on_part = |(wheel, part)| contacts(world, part).into_iter().map(move |contact| (wheel, contact));
-        parts.flat_map(on_part).collect()
+        parts.flat_map(|(wheel, part)| contacts(world, wheel, part)).collect()
     }
 }
 
-/// Returns the contacts of some colliders.
-fn contacts(world: &PhysicsWorld, colliders: &[ColliderHandle]) -> Vec<Contact> {
+/// Returns the contacts of the colliders of a wheel, or of the chassis.
+fn contacts(world: &PhysicsWorld, wheel: Option<usize>, colliders: &[ColliderHandle]) -> Vec<Contact> {
     let time_step = world.integration_parameters.dt;
+    let body_of = |collider: ColliderHandle| world.bodies.get(world.colliders.get(collider)?.parent()?);
     let mut contacts = Vec::new();
     for &own in colliders {
-        let parent = world.colliders.get(own).and_then(Collider::parent);
-        let Some(body) = parent.and_then(|body| world.bodies.get(body)) else { continue };
+        let Some(body) = body_of(own) else { continue };
         let centre = convert::from_vector(body.center_of_mass());
         for pair in world.narrow_phase.contact_pairs_with(own) {
             let first = pair.collider1 == own;
             let sign = if first { 1.0 } else { -1.0 };
+            let other = body_of(if first { pair.collider2 } else { pair.collider1 });
             for manifold in pair.solver_manifolds() {
                 let normal = -convert::from_vector(manifold.data.normal);
                 for data in solved(manifold).filter(|data| data.impulse > 0.0) {
                     let friction = convert::from_vector(data.warmstart_tangent_world);
-                    let arm = if first { data.solver_dp1 } else { data.solver_dp2 };
-                    let force = (normal * data.impulse + friction) * (sign / time_step);
-                    contacts.push(Contact { point: centre + convert::from_vector(arm), force });
+                    let point = centre + convert::from_vector(if first { data.solver_dp1 } else { data.solver_dp2 });
+                    let moves = |body: &RigidBody| convert::from_vector(body.velocity_at_point(convert::vector(point)));
+                    let velocity = moves(body) - other.map_or_else(Vector3::zeros, moves);
+                    let most = manifold.data.friction * data.impulse;
+                    contacts.push(Contact {
+                        point,
+                        force: (normal * data.impulse + friction) * (sign / time_step),
+                        wheel,
+                        slip: velocity - normal * normal.dot(&velocity),
+                        friction_share: if most > 0.0 { (friction.norm() / most).min(1.0) } else { 0.0 },
+                    });
                 }
             }
         }
