@@ -1,6 +1,6 @@
 /** Numbers of a robot that the page can show and plot. */
 
-import { type RobotState, rollPitchYaw } from './protocol/frame';
+import { type Contact, type RobotState, rollPitchYaw } from './protocol/frame';
 import type { Joint, RobotClass } from './protocol/scene';
 import type { SensorValues } from './protocol/sensors';
 
@@ -30,6 +30,7 @@ export function valuesOf(robotClass: RobotClass, sensors: SensorValues): Group[]
     { name: 'Wheels', values: robotClass.wheels.flatMap(({ name }, index) => wheelValues(name, index)) },
     { name: 'Joints', values: robotClass.joints.map(jointValue) },
     { name: 'Contacts', values: CONTACTS },
+    { name: 'Grip', values: robotClass.wheels.flatMap(({ name }, index) => gripValues(name, index)) },
     { name: 'Slip', values: robotClass.wheels.length > 0 ? slipValues(robotClass) : [] },
     { name: 'Turn', values: robotClass.steering === 'SkidSteered' ? turnValues(robotClass) : [] },
     ...sensorGroups(sensors),
@@ -62,6 +63,35 @@ function wheelValues(name: string, index: number): Value[] {
   const of = (key: 'speed' | 'target' | 'angle', unit: string) =>
     value(`${name} ${key}`, unit, 2, ({ wheels }) => wheels[index]?.[key] ?? null, `${key}${index}`);
   return [of('speed', 'rad/s'), of('target', 'rad/s'), of('angle', 'rad')];
+}
+
+/** Slip of a wheel's contacts, and their friction over the most that they can give: means by their forces. Null in the air. */
+function gripValues(name: string, index: number): Value[] {
+  const mean =
+    (of: (contact: Contact) => number) =>
+    ({ contacts }: RobotState) => {
+      const own = contacts
+        .filter(({ wheel }) => wheel === index)
+        .map((it) => [Math.hypot(...it.force), of(it)] as const);
+      const total = own.reduce((sum, [force]) => sum + force, 0);
+      return total > 0 ? own.reduce((sum, [force, part]) => sum + force * part, 0) / total : null;
+    };
+  return [
+    value(
+      `${name} slip`,
+      'mm/s',
+      1,
+      mean(({ slip }) => 1000 * Math.hypot(...slip)),
+      `slip${index}`,
+    ),
+    value(
+      `${name} friction`,
+      '%',
+      0,
+      mean(({ share }) => 100 * share),
+      `grip${index}`,
+    ),
+  ];
 }
 
 function jointValue({ name, unit = 'rad' }: Joint, index: number): Value {

@@ -33,6 +33,9 @@ test('a robot has every number of its message', () => {
     joint_speeds: [0, 1],
     contact_points: [1, 2, 3, 4, 5, 6],
     contact_forces: [0, 0, -400, 4, 8, 12],
+    contact_wheels: [0, 2],
+    contact_slips: [0, 0, 0, 10000, -5000, 0],
+    contact_shares: [0, 100],
   };
   const { frame } = read({ frame: { time: 2.5, robots: [robot], objects: [] } });
   assert.deepEqual(frame, {
@@ -57,8 +60,8 @@ test('a robot has every number of its message', () => {
           { position: -0.5, speed: 1 },
         ],
         contacts: [
-          { point: [1, 2, 3], force: [0, 0, -100] },
-          { point: [4, 5, 6], force: [1, 2, 3] },
+          { point: [1, 2, 3], force: [0, 0, -100], wheel: null, slip: [0, 0, 0], share: 0 },
+          { point: [4, 5, 6], force: [1, 2, 3], wheel: 1, slip: [1, -0.5, 0], share: 1 },
         ],
       },
     ],

@@ -35,3 +35,16 @@ test('robots without two sides of wheels on their body have no effective track',
     assert.equal(chi(other, 1), undefined);
   }
 });
+
+test('the grip of a wheel is the mean of its contacts by their forces', () => {
+  const group = valuesOf(skid, new Map()).find(({ name }) => name === 'Grip');
+  const on = (wheel, force, slip, share) => ({ wheel, force: [0, 0, -force], slip: [slip, 0, 0], share });
+  const contacts = [on(1, 30, 0.1, 1), on(1, 10, 0.02, 0.6), on(null, 50, 9, 1)];
+  const read = group.values.map((value) => value.read({ contacts }, new Map()));
+  assert.deepEqual(
+    group.values.map(({ name }) => name),
+    ['0.2 slip', '0.2 friction', '-0.2 slip', '-0.2 friction'],
+  );
+  assert.deepEqual(read.slice(0, 2), [null, null], 'a wheel in the air');
+  assert.ok(Math.abs(read[2] - 80) < 1e-9 && Math.abs(read[3] - 90) < 1e-9, `${read}`);
+});

@@ -13,6 +13,8 @@ use crate::pb::{Frame, Message, Placed, Robot, Scan, Wheel};
 const MAX_CONTACTS: usize = 64;
 /// Unit of a force, N.
 const FORCE_UNIT: f64 = 0.25;
+/// Unit of a slip, m/s.
+const SLIP_UNIT: f64 = 1e-4;
 /// Units of a roller's angle in pi.
 const HALF_TURN: f64 = 32768.0;
 /// Units of a range in a sensor's greatest range.
@@ -56,6 +58,7 @@ fn robot(def: &RobotDef, robot: &RobotSnapshot) -> Robot {
     let mut contacts: Vec<&Contact> = contacts.iter().collect();
     contacts.sort_by(|a, b| b.force.norm_squared().total_cmp(&a.force.norm_squared()));
     contacts.truncate(MAX_CONTACTS);
+    let number = |wheel: usize| def.driven_number(wheel).map(|number| number as u32 + 1);
     Robot {
         robot: id.0 as u32,
         pose: pose(&body.pose).collect(),
@@ -66,7 +69,10 @@ fn robot(def: &RobotDef, robot: &RobotSnapshot) -> Robot {
         joint_positions: placed.clone().map(|(_, joint)| joint.position as f32).collect(),
         joint_speeds: placed.map(|(_, joint)| joint.speed as f32).collect(),
         contact_points: contacts.iter().flat_map(|it| floats(&it.point)).collect(),
-        contact_forces: contacts.iter().flat_map(|it| it.force.iter().map(|&part| force(part))).collect(),
+        contact_forces: contacts.iter().flat_map(|it| units(&it.force, FORCE_UNIT)).collect(),
+        contact_wheels: contacts.iter().map(|it| it.wheel.and_then(number).unwrap_or_default()).collect(),
+        contact_slips: contacts.iter().flat_map(|it| units(&it.slip, SLIP_UNIT)).collect(),
+        contact_shares: contacts.iter().map(|it| (100.0 * it.friction_share).round() as u32).collect(),
     }
 }
 
@@ -83,7 +89,7 @@ fn roller(angle: f64) -> i32 {
     (scene::wrapped(angle) / PI * HALF_TURN).round().clamp(-HALF_TURN, HALF_TURN - 1.0) as i32
 }
 
-/// Returns a component of a force in the unit of a frame.
-fn force(newtons: f64) -> i32 {
-    (newtons / FORCE_UNIT).round() as i32
+/// Returns the components of a vector in a unit.
+fn units(vector: &Vector3<f64>, unit: f64) -> impl Iterator<Item = i32> {
+    vector.iter().map(move |&part| (part / unit).round() as i32)
 }

@@ -179,6 +179,8 @@ page_types! {
         /// Speed limit, rad/s.
         max_speed: Option<f64>,
         rollers: Option<Rollers>,
+        /// Half length and half width of its tyre's contact patch, m; null for a rigid disc.
+        patch: Option<[f64; 2]>,
         /// Pads of the belt around it; a wheel with a belt does not turn.
         belt: Option<Belt>,
     }
@@ -400,6 +402,7 @@ fn wheel<'a>(def: &RobotDef, wheel: MountedWheel<'a>, drawn: &[DrawnPiece<'a>]) 
             outline: outline.clone(),
             colour,
         }),
+        patch: wheel.tyre.map(|tyre| tyre.patch),
         belt: wheel.belt.as_ref().map(|belt| {
             let Pads { path, count, size, radius } = belt.pads(wheel.width);
             Belt { path, pads: count, size, radius, colour: wheel.material.colour }

@@ -17,6 +17,18 @@ export interface WheelState {
   rollers: number[];
 }
 
+export interface Contact {
+  point: Vector;
+  /** N */
+  force: Vector;
+  /** Number of the wheel in `wheels`; null for another part. */
+  wheel: number | null;
+  /** m/s */
+  slip: Vector;
+  /** Friction over the most that the contact can give. */
+  share: number;
+}
+
 export interface RobotState {
   id: number;
   pose: Pose;
@@ -29,7 +41,7 @@ export interface RobotState {
   links: Pose[];
   /** Joints that go to positions: rad and rad/s, or m and m/s. */
   joints: { position: number; speed: number }[];
-  contacts: { point: Vector; /** N */ force: Vector }[];
+  contacts: Contact[];
 }
 
 /** Pose of a movable object. */
@@ -66,6 +78,8 @@ export interface Picture {
 
 /** Unit of a force, N. */
 const FORCE_UNIT = 0.25;
+/** Unit of a slip, m/s. */
+const SLIP_UNIT = 1e-4;
 /** Units of a roller's angle in pi. */
 const HALF_TURN = 32768;
 /** Units of a range in a sensor's greatest range. */
@@ -88,11 +102,7 @@ export function readMessage(bytes: ArrayBuffer): { frame: Frame } | { scan: Scan
 }
 
 function readRobot(robot: live.Robot): RobotState {
-  const { pose, linear, angular, wheels, links, joint_positions, joint_speeds, contact_points, contact_forces } = robot;
-  const forces = inParts<Vector>(
-    contact_forces.map((part) => part * FORCE_UNIT),
-    3,
-  );
+  const { pose, linear, angular, wheels, links, joint_positions, joint_speeds } = robot;
   return {
     id: robot.robot,
     pose: pose as Pose,
@@ -104,8 +114,25 @@ function readRobot(robot: live.Robot): RobotState {
     })),
     links: inParts<Pose>(links, 7),
     joints: joint_positions.map((position, at) => ({ position, speed: joint_speeds[at] ?? 0 })),
-    contacts: inParts<Vector>(contact_points, 3).map((point, at) => ({ point, force: forces[at] ?? [0, 0, 0] })),
+    contacts: readContacts(robot),
   };
+}
+
+function readContacts(robot: live.Robot): Contact[] {
+  const vectors = (numbers: number[], unit: number) =>
+    inParts<Vector>(
+      numbers.map((part) => part * unit),
+      3,
+    );
+  const forces = vectors(robot.contact_forces, FORCE_UNIT);
+  const slips = vectors(robot.contact_slips, SLIP_UNIT);
+  return inParts<Vector>(robot.contact_points, 3).map((point, at) => ({
+    point,
+    force: forces[at] ?? [0, 0, 0],
+    wheel: robot.contact_wheels[at] ? robot.contact_wheels[at] - 1 : null,
+    slip: slips[at] ?? [0, 0, 0],
+    share: (robot.contact_shares[at] ?? 0) / 100,
+  }));
 }
 
 /** Cuts a list of numbers into parts of a length. */

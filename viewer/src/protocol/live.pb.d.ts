@@ -27,6 +27,9 @@ export interface Robot {
   joint_speeds: number[];
   contact_points: number[];
   contact_forces: number[];
+  contact_wheels: number[];
+  contact_slips: number[];
+  contact_shares: number[];
 }
 export function readRobot(pbf: PbfReader, end?: number): Robot;
 

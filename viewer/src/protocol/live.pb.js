@@ -24,7 +24,7 @@ export function readFrame(pbf, end) {
 }
 
 export function readRobot(pbf, end) {
-    const obj = {robot: 0, pose: [], linear: [], angular: [], wheels: [], links: [], joint_positions: [], joint_speeds: [], contact_points: [], contact_forces: []};
+    const obj = {robot: 0, pose: [], linear: [], angular: [], wheels: [], links: [], joint_positions: [], joint_speeds: [], contact_points: [], contact_forces: [], contact_wheels: [], contact_slips: [], contact_shares: []};
     let field;
     while ((field = pbf.nextField(end))) {
         if (field === 1) obj.robot = pbf.readVarint();
@@ -37,6 +37,9 @@ export function readRobot(pbf, end) {
         else if (field === 8) pbf.readPackedFloat(obj.joint_speeds);
         else if (field === 9) pbf.readPackedFloat(obj.contact_points);
         else if (field === 10) pbf.readPackedSVarint(obj.contact_forces);
+        else if (field === 11) pbf.readPackedVarint(obj.contact_wheels);
+        else if (field === 12) pbf.readPackedSVarint(obj.contact_slips);
+        else if (field === 13) pbf.readPackedVarint(obj.contact_shares);
     }
     return obj;
 }

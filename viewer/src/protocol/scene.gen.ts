@@ -122,6 +122,10 @@ drawn: Array<Drawn>,
  */
 max_speed: number | null, rollers: Rollers | null, 
 /**
+ * Half length and half width of its tyre's contact patch, m; null for a rigid disc.
+ */
+patch: [number, number] | null, 
+/**
  * Pads of the belt around it; a wheel with a belt does not turn.
  */
 belt: Belt | null, };

@@ -20,9 +20,8 @@ export class Arrows {
   private readonly heads: THREE.InstancedMesh;
   private count = 0;
 
-  constructor(colour: string) {
+  constructor() {
     this.material = new THREE.MeshBasicMaterial({
-      color: colour,
       depthTest: false,
       transparent: true,
       toneMapped: false,
@@ -44,7 +43,7 @@ export class Arrows {
     this.count = 0;
   }
 
-  add(from: THREE.Vector3, direction: THREE.Vector3, length: number): void {
+  add(from: THREE.Vector3, direction: THREE.Vector3, length: number, colour: THREE.Color): void {
     if (this.count === CAPACITY) return;
     const turn = new THREE.Quaternion().setFromUnitVectors(UP, direction);
     const matrix = new THREE.Matrix4();
@@ -53,6 +52,7 @@ export class Arrows {
     this.shafts.setMatrixAt(this.count, matrix.compose(from, turn, new THREE.Vector3(broad, length, broad)));
     const end = from.clone().addScaledVector(direction, length);
     this.heads.setMatrixAt(this.count, matrix.compose(end, turn, new THREE.Vector3(broad, broad, broad)));
+    for (const mesh of [this.shafts, this.heads]) mesh.setColorAt(this.count, colour);
     this.count++;
   }
 
@@ -61,6 +61,7 @@ export class Arrows {
       mesh.count = this.count;
       mesh.visible = this.count > 0;
       mesh.instanceMatrix.needsUpdate = true;
+      if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
     }
   }
 

@@ -1,11 +1,12 @@
-/** Overlay of the world: paths, scans, contact forces, frames. */
+/** Overlay of the world: paths, scans, contacts, frames. */
 
 import * as THREE from 'three';
-import type { Frame, RobotState, Scan } from '../protocol/frame';
-import type { RobotClass, Sensor } from '../protocol/scene';
+import type { Contact, Frame, RobotState, Scan } from '../protocol/frame';
+import type { RobotClass, Sensor, Wheel } from '../protocol/scene';
 import { Arrows } from './arrows';
 import { Axes } from './axes';
-import { FORCE_COLOUR } from './colours';
+import { FORCE_COLOURS, SLIP_COLOUR } from './colours';
+import { Patches } from './patches';
 import { Path } from './paths';
 import { PointCloud } from './points';
 import { setPose } from './pose';
@@ -22,6 +23,11 @@ const SENSOR_AXES = 0.12;
 /** Length of an arrow for each tenfold of a force, m, and the least force that is drawn, N. */
 const FORCE_LENGTH = 0.13;
 const LEAST_FORCE = 0.5;
+/** Length of an arrow for each tenfold of a slip in mm/s, m, and the least slip that is drawn, m/s. */
+const SLIP_LENGTH = 0.06;
+const LEAST_SLIP = 0.002;
+const [HOLDS, SLIDES] = FORCE_COLOURS.map((colour) => new THREE.Color(colour)) as [THREE.Color, THREE.Color];
+const SLIPS = new THREE.Color(SLIP_COLOUR);
 /** A beam that comes back from nothing is at its range. */
 const NOTHING = 0.9995;
 /** A path lies so far above the floor, m. */
@@ -36,7 +42,8 @@ export class Overlay {
   private readonly pathGroup = new THREE.Group();
   private readonly cloud = new PointCloud();
   private readonly rays = new Rays();
-  private readonly forces = new Arrows(FORCE_COLOUR);
+  private readonly forces = new Arrows();
+  private readonly patches = new Patches();
   private readonly axes = new Axes();
   private readonly layers: Record<OwnLayer, THREE.Object3D>;
   /** Keys of what each robot's sensors have drawn. */
@@ -51,6 +58,7 @@ export class Overlay {
       forces: this.forces.group,
       frames: this.axes.lines,
     };
+    this.forces.group.add(this.patches.mesh);
     this.group.add(...Object.values(this.layers));
   }
 
@@ -98,12 +106,14 @@ export class Overlay {
     const present = new Set(frame.robots.map(({ id }) => id));
     for (const id of [...this.paths.keys(), ...this.scanned.keys()]) if (!present.has(id)) this.remove(id);
     this.forces.begin();
+    this.patches.begin();
     this.axes.begin();
     for (const robot of frame.robots) {
       const robotClass = classOf(robot.id);
       if (robotClass) this.placeRobot(robot, robotClass);
     }
     this.forces.end();
+    this.patches.end();
     this.axes.end();
     this.cloud.update();
   }
@@ -119,7 +129,7 @@ export class Overlay {
 
   dispose(): void {
     this.clear();
-    [this.cloud, this.rays, this.forces, this.axes].forEach((layer) => layer.dispose());
+    [this.cloud, this.rays, this.forces, this.patches, this.axes].forEach((layer) => layer.dispose());
   }
 
   private placeRobot(robot: RobotState, robotClass: RobotClass): void {
@@ -129,13 +139,23 @@ export class Overlay {
       robotClass.sensors.forEach((sensor) => this.axes.add(mountOf(sensor, robot), SENSOR_AXES));
     }
     if (!this.forces.group.visible) return;
-    for (const { point, force } of robot.contacts) {
-      const along = new THREE.Vector3(...force);
-      const strength = along.length();
-      if (strength < LEAST_FORCE) continue;
-      const length = FORCE_LENGTH * Math.log10(1 + strength);
-      this.forces.add(new THREE.Vector3(...point), along.divideScalar(strength), length);
+    for (const contact of robot.contacts) this.placeContact(contact, robot, robotClass);
+  }
+
+  /** Draws the force of a contact, paler the more of its friction is left, its slip, and the patch of a tyre. */
+  private placeContact({ point, force, wheel, slip, share }: Contact, robot: RobotState, { wheels }: RobotClass): void {
+    const [along, at] = [new THREE.Vector3(...force), new THREE.Vector3(...point)];
+    const strength = along.length();
+    if (strength < LEAST_FORCE) return;
+    const colour = HOLDS.clone().lerp(SLIDES, share);
+    this.forces.add(at, along.divideScalar(strength), FORCE_LENGTH * Math.log10(1 + strength), colour);
+    const over = new THREE.Vector3(...slip);
+    const speed = over.length();
+    if (speed > LEAST_SLIP) {
+      this.forces.add(at, over.divideScalar(speed), SLIP_LENGTH * Math.log10(1 + 1000 * speed), SLIPS);
     }
+    const ofClass = wheel === null ? undefined : wheels[wheel];
+    if (ofClass?.patch) this.patches.add(at, ...patchAxes(ofClass, ofClass.patch, at, robot), colour);
   }
 
   private pathOf(id: number): Path {
@@ -167,6 +187,20 @@ function footOf({ pose }: RobotState, { wheels, wheel_radius }: RobotClass): [nu
   const below = wheels.length > 0 ? lowest + wheel_radius - PATH_HEIGHT : 0;
   const down = new THREE.Vector3(0, 0, below).applyQuaternion(new THREE.Quaternion(pose[3], pose[4], pose[5], pose[6]));
   return [x + down.x, y + down.y, z + down.z];
+}
+
+/** Returns the half axes of a tyre's patch, along and across, at a contact. */
+function patchAxes(
+  { link, position }: Wheel,
+  [length, width]: [number, number],
+  at: THREE.Vector3,
+  robot: RobotState,
+): [THREE.Vector3, THREE.Vector3] {
+  const hub = mountOf({ link, pose: [...position, 0, 0, 0, 1] }, robot);
+  const across = new THREE.Vector3().setFromMatrixColumn(hub, 1);
+  const down = at.clone().sub(new THREE.Vector3().setFromMatrixPosition(hub));
+  const along = down.cross(across).normalize();
+  return [along.multiplyScalar(length), across.multiplyScalar(width)];
 }
 
 /** Returns the ends of a sensor's beams in the world. */
