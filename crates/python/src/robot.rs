@@ -200,6 +200,39 @@ impl Robot {
         Ok((rows(points)?, rows(forces)?))
     }
 
+    /// Slip, use of friction, wheel and patch of each contact, in the order of `contacts`.
+    #[getter]
+    fn grip<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let seen = self.world(py)?.world().observe(self.id).ok_or_else(|| self.gone())?;
+        let count = seen.contacts.len();
+        let contacts = || seen.contacts.iter();
+        let slips: Vec<f64> = contacts().flat_map(|contact| <[f64; 3]>::from(contact.slip)).collect();
+        let shares: Vec<f64> = contacts().map(|contact| contact.friction_share).collect();
+        let (wheels, patches) = self.with_def(py, |def| {
+            let number = |wheel: usize| def.driven_number(wheel).map(|number| number as i64);
+            let wheels: Vec<i64> = contacts().map(|contact| contact.wheel.and_then(number).unwrap_or(-1)).collect();
+            let patches: Vec<_> = def.wheels().map(|wheel| wheel.tyre.map_or([0.0; 2], |tyre| tyre.patch)).collect();
+            let patch = |wheel: Option<usize>| wheel.and_then(|wheel| patches.get(wheel)).copied().unwrap_or_default();
+            (wheels, contacts().flat_map(|contact| patch(contact.wheel)).collect::<Vec<f64>>())
+        })?;
+        let grip = PyDict::new(py);
+        grip.set_item("wheels", wheels.into_pyarray(py))?;
+        grip.set_item("slips", slips.into_pyarray(py).reshape([count, 3])?)?;
+        grip.set_item("friction_used", shares.into_pyarray(py))?;
+        grip.set_item("patches", patches.into_pyarray(py).reshape([count, 2])?)?;
+        Ok(grip)
+    }
+
+    /// Effective track while it turns: the difference of its sides' speeds over its yaw rate, m.
+    #[getter]
+    fn effective_track(&self, py: Python) -> PyResult<Option<f64>> {
+        let world = self.world(py)?;
+        let (body, wheels) = world.world().state(self.id).ok_or_else(|| self.gone())?;
+        let yaw_rate = (body.pose.rotation.inverse() * body.angular).z;
+        let speeds: Vec<f64> = wheels.iter().map(|wheel| wheel.speed).collect();
+        self.with_def(py, |def| effective_track(def, &speeds, yaw_rate))
+    }
+
     /// Names of its sensors, with a number behind a name that comes again.
     #[getter]
     fn sensor_names(&self, py: Python) -> PyResult<Vec<String>> {
@@ -342,4 +375,18 @@ impl Robot {
             _ => format!("Robot({}, gone)", self.id.0),
         }
     }
+}
+
+/// Least yaw rate at which a robot turns, rad/s.
+const LEAST_TURN: f64 = 0.02;
+
+/// Computes the effective track of a robot, m, from the speeds of its driven wheels, rad/s, and its yaw rate, clockwise, rad/s.
+fn effective_track(def: &RobotDef, speeds: &[f64], yaw_rate: f64) -> Option<f64> {
+    let side = |sign: f64| {
+        let of_body = def.driven().zip(speeds).filter(|(wheel, _)| wheel.parent == 0 && wheel.position[1] * sign > 0.0);
+        let speeds: Vec<f64> = of_body.map(|(wheel, speed)| wheel.radius * speed).collect();
+        (!speeds.is_empty()).then(|| speeds.iter().sum::<f64>() / speeds.len() as f64)
+    };
+    let (left, right) = side(-1.0).zip(side(1.0))?;
+    (yaw_rate.abs() > LEAST_TURN).then(|| (left - right) / yaw_rate)
 }

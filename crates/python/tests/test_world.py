@@ -36,6 +36,28 @@ def test_state_has_documented_shapes(world):
     assert points.shape == forces.shape and points.shape[1] == 3
     mass = sum(part["mass"] for link in usarsim.describe(world.scene, "KUKA_YouBot")["links"] for part in link["parts"])
     assert -forces[:, 2].sum() > 9 * mass, "the floor carries it"
+    grip = robot.grip
+    shapes = {key: values.shape[1:] for key, values in grip.items()}
+    assert shapes == {"wheels": (), "slips": (3,), "friction_used": (), "patches": (2,)}
+    assert all(len(values) == len(points) for values in grip.values())
+    assert set(grip["wheels"]) == {0, 1, 2, 3} and not grip["patches"].any()
+
+
+def test_a_robot_that_turns_slides_and_has_an_effective_track():
+    world = usarsim.World(usarsim.Scene("rough"))
+    robot = world.spawn("P3AT")
+    world.run(0.5)
+    assert robot.effective_track is None and robot.grip["friction_used"].max() < 0.1
+    robot.drive_sides(left=1, right=-1)
+    world.run(2.0)
+    (points, forces), grip = robot.contacts, robot.grip
+    assert (grip["friction_used"] > 0.99).all()
+    # Friction pushes against the slip.
+    push = (forces * grip["slips"])[:, :2].sum(axis=1)
+    reach = np.linalg.norm(forces[:, :2], axis=1) * np.linalg.norm(grip["slips"], axis=1)
+    assert (push < -0.98 * reach).all()
+    chi = robot.effective_track / 0.36
+    assert chi == pytest.approx(1 + (0.248 / 0.36) ** 2, rel=0.02)
 
 
 def test_readings_are_those_of_the_state(world):

@@ -445,6 +445,26 @@ class Robot:
         """
 
     @property
+    def grip(self) -> dict[str, NDArray[Any]]:
+        """Grip of each of the `contacts`, in their order.
+
+        | key | shape | meaning |
+        |---|---|---|
+        | `wheels` | (n,) | number of the wheel in `wheel_names`, -1 for another part |
+        | `slips` | (n, 3) | velocity of the robot's surface over what it touches, along that, m/s; free rollers slip along their axis only |
+        | `friction_used` | (n,) | friction over the most that the contact can give; 1 where it slides |
+        | `patches` | (n, 2) | half length and half width of the tyre's patch, m; 0 for a rigid disc |
+        """
+
+    @property
+    def effective_track(self) -> float | None:
+        """Difference of the speeds of its sides' wheels over its yaw rate, m: the track that it would have if its wheels did not slip.
+
+        Over the true track it is the turning factor of a skid-steered robot, chi. `None` for a robot that turns by less than
+        0.02 rad/s or has no wheels on both sides of its body.
+        """
+
+    @property
     def sensor_names(self) -> list[str]:
         """Names of its sensors. A name that comes again has a number behind it, as `Camera#2`."""
 
