@@ -5,6 +5,7 @@ use std::path::Path;
 
 use gamebots_proto::Message;
 use gamebots_proto::message::Reading;
+use nalgebra::{Point3, Vector3};
 use scene::{HeightField, MapDef, Shape, WorldDef};
 use sim_core::{Options, World};
 use system_tests::{apply, init, run};
@@ -84,6 +85,46 @@ fn robots_drive_on_uneven_ground_and_do_not_fall_through() {
     }
 }
 
+/// Wheels roll over the stones of gravel: none sinks in, whatever part of its rim meets a stone, and the same seed gives the same course.
+#[test]
+fn wheels_roll_over_gravel_and_do_not_sink_into_it() {
+    let course = |seed: u64| {
+        let keys = format!("size = [6.0, 4.0]\ncell = 0.02\nheight = 0.04\nhills = 0.16\nseed = {seed}");
+        let ground = field(&keys, &[]);
+        let mut world = world(&keys, &[]);
+        let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location -2,0,-0.3}");
+        run(&mut world, 1.0);
+        apply(&mut world, robot, "DRIVE {Left 3}{Right 3}");
+        let class = world.def().robots["P3AT"].clone();
+        let mut deepest = f64::NEG_INFINITY;
+        for _ in 0..2500 {
+            world.step();
+            let pose = world.state(robot).expect("the robot").0.pose;
+            for wheel in class.wheels() {
+                let radius = wheel.radius;
+                for (turn, y) in (-30..=30)
+                    .flat_map(|turn| [-0.5, 0.0, 0.5].map(|side| (f64::from(turn) * 0.05, side * wheel.width)))
+                {
+                    let rim = Vector3::new(radius * turn.sin(), y, radius * turn.cos());
+                    let at = pose * Point3::from(Vector3::from(wheel.position) + rim);
+                    deepest = deepest.max(height(&ground, at.x, at.y) + at.z);
+                }
+            }
+        }
+        let place = world.state(robot).expect("the robot").0.pose.translation.vector;
+        println!("seed {seed}: {:.1} mm deep at most, at {:.3?}", 1000.0 * deepest, place.as_slice());
+        (deepest, place)
+    };
+    let courses = [7, 7, 8].map(course);
+    assert_eq!(courses[0], courses[1], "the same seed");
+    for (deepest, place) in courses {
+        assert!(deepest < 0.003, "a wheel sinks in by {deepest} m");
+        // It drives at 0.33 m/s for 5 s.
+        assert!(place.x > -1.0, "it drives to {place}");
+    }
+    assert_ne!(courses[0].1, courses[2].1, "another seed");
+}
+
 /// Ahead of the robot the ground rises by a half of the way. The middle beam runs along a line of the grid.
 #[test]
 fn a_ray_hits_the_ground_at_its_height() {
@@ -98,7 +139,7 @@ fn a_ray_hits_the_ground_at_its_height() {
     let pose = world.state(robot).expect("the robot").0.pose;
     let def = world.def().robots["P3AT"].clone();
     let laser = def.sensors.iter().find(|sensor| sensor.config.fan().is_some()).expect("a laser");
-    let eye = pose * nalgebra::Point3::from(laser.position);
+    let eye = pose * Point3::from(laser.position);
     let scan = messages.into_iter().rev().find_map(|message| match message {
         Message::Sen(sen) => {
             if let Reading::RangeScanner(scan) = sen.reading {
