@@ -2,6 +2,7 @@
 
 use experiments::{Course, Motion};
 use gamebots_proto::Message;
+use nalgebra::Vector3;
 use scene::{Material, Shape, Solid, WorldDef};
 use sim_core::{Options, World};
 use system_tests::{apply, init, run};
@@ -150,12 +151,13 @@ fn block(place: [f64; 3], size: [f64; 3]) -> Solid {
     Solid { name: "block".to_owned(), shape: Shape::Box { size }, position: place, rotation: [0.0; 3], material }
 }
 
-/// Builds stairs from x = 1 m: each step is 0.17 m high and 0.28 m deep.
-fn stairs(steps: u32) -> Vec<Solid> {
+/// Builds stairs from x = 1 m, whose steps have a depth and a height, m. The last one is 2 m deep.
+fn stairs(steps: u32, [depth, height]: [f64; 2]) -> Vec<Solid> {
     let step = |number: u32| {
-        let height = 0.17 * f64::from(number + 1);
-        let depth = if number + 1 == steps { 2.0 } else { 0.28 };
-        block([1.0 + 0.28 * f64::from(number) + depth / 2.0, 0.0, -height / 2.0], [depth, 2.0, height])
+        let start = 1.0 + depth * f64::from(number);
+        let height = height * f64::from(number + 1);
+        let depth = if number + 1 == steps { 2.0 } else { depth };
+        block([start + depth / 2.0, 0.0, -height / 2.0], [depth, 2.0, height])
     };
     (0..steps).map(step).collect()
 }
@@ -190,9 +192,9 @@ fn drive(world: &mut World, stages: &[([f64; 2], f64)]) -> [f64; 3] {
 
 #[test]
 fn flippers_take_a_kenaf_up_a_stair() {
-    let [x, y, z] = drive(&mut world(stairs(4), 0.004), &[([-0.8, 0.0], 5.0), ([0.0, 0.0], 9.0)]);
+    let [x, y, z] = drive(&mut world(stairs(4, [0.28, 0.17]), 0.004), &[([-0.8, 0.0], 5.0), ([0.0, 0.0], 9.0)]);
     assert!((2.2..3.6).contains(&x) && y.abs() < 0.3 && z < -0.7, "{x} {y} {z}");
-    let [_, _, z] = drive(&mut world(stairs(4), 0.004), &[([-3.1, 3.1], 20.0)]);
+    let [_, _, z] = drive(&mut world(stairs(4, [0.28, 0.17]), 0.004), &[([-3.1, 3.1], 20.0)]);
     assert!(z > -0.3, "it climbs without its flippers: {z}");
 }
 
@@ -202,4 +204,43 @@ fn flippers_take_a_kenaf_over_a_step_field() {
     assert!(x > 2.8 && y.abs() < 0.8, "{x} {y}");
     let [x, ..] = drive(&mut world(step_field(), 0.004), &[([-3.1, 3.1], 20.0)]);
     assert!(x < 1.2, "it climbs without its flippers: {x}");
+}
+
+/// A run of a belt lies on the edges of a stair as on a slope through them: it climbs at the belt's speed without slip along the run, and
+/// its contacts, all at edges, hold its weight.
+#[test]
+fn a_track_climbs_on_the_edges_of_a_stair() {
+    let [depth, height] = [0.12, 0.04];
+    let mut world = world(stairs(12, [depth, height]), 0.002);
+    let robot = init(&mut world, "INIT {ClassName USARBot.Tank} {Location 0.4,0,-0.06}");
+    apply(&mut world, robot, "DRIVE {Left 3} {Right 3}");
+    pass(&mut world, 7.0);
+    let slope = (height / depth).atan();
+    let up = Vector3::new(slope.cos(), 0.0, -slope.sin());
+    let start = world.state(robot).expect("the tank").0;
+    let steps = 500;
+    let (mut force, mut most_slip, mut farthest) = (Vector3::zeros(), 0.0_f64, 0.0_f64);
+    for _ in 0..steps {
+        world.step();
+        let seen = world.observe(robot).expect("the tank");
+        let (_, pitch, _) = seen.body.pose.rotation.euler_angles();
+        assert!((pitch - slope).abs() < 0.01, "pitch {pitch}, expected {slope}");
+        for contact in seen.contacts {
+            let number = ((contact.point.x - 1.0) / depth).round();
+            let edge = [1.0 + depth * number, -height * (number + 1.0)];
+            farthest = farthest.max((contact.point.x - edge[0]).hypot(contact.point.z - edge[1]));
+            most_slip = most_slip.max(contact.slip.dot(&up).abs());
+            force += contact.force / f64::from(steps);
+        }
+    }
+    let way = world.state(robot).expect("the tank").0.pose.translation.vector - start.pose.translation.vector;
+    let (speed, weight) = (way.norm() / (f64::from(steps) * 0.002), world.def().robots["Tank"].mass() as f64 * 9.81);
+    println!(
+        "{speed:.4} m/s, slip {most_slip:.5} m/s, {farthest:.4} m from the edges, {:.2?} of {weight} N",
+        force.as_slice()
+    );
+    assert!((speed - 3.0 * RADIUS).abs() < 0.01 * 3.0 * RADIUS, "{speed} m/s");
+    assert!(most_slip < 0.005, "{most_slip} m/s along the run");
+    assert!(farthest < 0.003, "{farthest} m from the edges");
+    assert!((force + Vector3::z() * weight).norm() < 0.02 * weight, "{force} for {weight} N");
 }
