@@ -20,6 +20,7 @@ mod experiments;
 mod families;
 mod faults;
 mod fit;
+mod floors;
 mod ground;
 mod guests;
 mod heaps;

@@ -15,6 +15,7 @@ mod shape_contact;
 mod step_input;
 mod together;
 mod track;
+mod tread;
 mod tyre;
 mod wheel;
 

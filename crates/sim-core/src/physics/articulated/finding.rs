@@ -38,7 +38,7 @@ const SAME_SURFACE: f64 = 0.99;
 pub(super) struct Key {
     pub(super) surface: usize,
     other: (Peer, usize),
-    number: usize,
+    pub(super) number: usize,
 }
 
 /// The owner of the other surface of a contact.
@@ -184,6 +184,7 @@ impl ArticulatedRobot {
                 }
             }
             self.near = Some(near);
+            self.join_treads(&mut found);
             keep_deepest(&mut found, MAX_CONTACTS[1], |it| it.touch.gap);
         }
         self.found = found;
@@ -202,7 +203,7 @@ impl ArticulatedRobot {
             }
             let (surface, its) = (&self.compiled.surfaces[one], &self.compiled.surfaces[other]);
             let (prediction, motion) = (at.prediction + its_at.prediction, at.motion - its_at.motion);
-            self.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, &mut met);
+            self.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, false, &mut met);
             let key = Key { surface: one, other: (Peer::Itself, other), number: 0 };
             let pair = Pair::of(surface, its);
             add(&mut met, key, Counterpart::Itself(other), &pair, &mut found);
@@ -221,7 +222,8 @@ impl ArticulatedRobot {
             if bounds.is_some_and(|bounds| !bounds.intersects(&at.around)) {
                 continue;
             }
-            self.meet(surface, at, shape, other.collider.position(), at.prediction, at.motion, &mut met);
+            let is_fixed = other.counterpart == Counterpart::Fixed;
+            self.meet(surface, at, shape, other.collider.position(), at.prediction, at.motion, is_fixed, &mut met);
             if met.is_empty() {
                 continue;
             }
@@ -241,9 +243,10 @@ impl ArticulatedRobot {
         pose: &EnginePose,
         prediction: f64,
         motion: Vector3<f64>,
+        is_fixed: bool,
         met: &mut Vec<Touch>,
     ) {
-        self.meet_at(surface, &at.pose, shape, pose, prediction.min(MAX_PREDICTION), met);
+        self.meet_at(surface, &at.pose, shape, pose, prediction.min(MAX_PREDICTION), is_fixed, met);
         if prediction <= MAX_PREDICTION || !met.is_empty() {
             return;
         }
@@ -253,7 +256,7 @@ impl ArticulatedRobot {
         if let Ok(Some(hit)) = hit {
             let way = way * hit.time_of_impact;
             let there = EnginePose::from_parts(at.pose.translation + way, at.pose.rotation);
-            self.meet_at(surface, &there, shape, pose, MAX_PREDICTION, met);
+            self.meet_at(surface, &there, shape, pose, MAX_PREDICTION, is_fixed, met);
             let way = convert::from_vector(way);
             for touch in met {
                 touch.gap -= touch.normal.dot(&way);
@@ -263,6 +266,7 @@ impl ArticulatedRobot {
     }
 
     /// Adds the contacts of a surface at a pose with a shape at another.
+    #[allow(clippy::too_many_arguments)]
     fn meet_at(
         &self,
         surface: &Surface,
@@ -270,13 +274,14 @@ impl ArticulatedRobot {
         shape: &dyn Shape,
         pose: &EnginePose,
         prediction: f64,
+        is_fixed: bool,
         met: &mut Vec<Touch>,
     ) {
         let ring = match surface.form {
             Form::Rollers(ring) => ring,
             Form::Track(track) => return self.compiled.tracks[track].touch(surface, at, shape, pose, prediction, met),
             Form::Solid | Form::Wheel { .. } | Form::Ball { .. } => {
-                return touches(surface, at, shape, pose, prediction, met);
+                return touches(surface, at, shape, pose, prediction, is_fixed, met);
             }
         };
         let ring = &self.compiled.rings[ring];
@@ -392,7 +397,7 @@ pub(super) fn touch_each_other(
             let its = &robots[second].compiled.surfaces[its_index];
             let prediction = at.prediction + its_at.prediction;
             let motion = at.motion - its_at.motion;
-            robot.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, &mut met);
+            robot.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, false, &mut met);
             let key = Key { surface: index, other: (Peer::Body(robots[second].id), its_index), number: 0 };
             let pair = Pair::of(surface, its);
             add(&mut met, key, Counterpart::Robot(second, its_index), &pair, &mut added);

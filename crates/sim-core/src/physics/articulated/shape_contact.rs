@@ -18,13 +18,14 @@ const SAME_PLACE: f64 = 1e-5;
 /// Most contacts between two faces.
 const MAX_POINTS: usize = 4;
 
-/// Adds the contacts of a surface with a shape, each at a pose, within a distance, m, in world axes.
+/// Adds the contacts of a surface with a shape, which may be a fixed one, each at a pose, within a distance, m, in world axes.
 pub(super) fn touches(
     own: &Surface,
     own_pose: &EnginePose,
     other: &dyn Shape,
     other_pose: &EnginePose,
     prediction: f64,
+    is_fixed: bool,
     found: &mut Vec<Touch>,
 ) {
     if let Some(half_space) = other.as_halfspace() {
@@ -52,7 +53,7 @@ pub(super) fn touches(
         let touches = match own.form {
             Form::Wheel { radius, half_width } => {
                 let axle = convert::from_vector(local.rotation * Vector::Y);
-                match (Wheel { hub: centre, axle, radius, half_width }).on_shape(prediction, nearest) {
+                match (Wheel { hub: centre, axle, radius, half_width }).on_shape(prediction, is_fixed, nearest) {
                     Some(touches) => touches,
                     None => {
                         is_side = true;

@@ -4,7 +4,7 @@
 //! On other shapes the wheel is a row of discs. Each touches the plane that separates it from the shape. The two edges and the nearest disc
 //! count.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Sine of the lean at which a wheel stands on its edge alone. A tyre is round there.
 pub(super) const LEANING: f64 = 0.1;
@@ -19,6 +19,13 @@ const ROUNDS: usize = 4;
 const HALVINGS: usize = 15;
 /// Part of a disc's radius, inward from the rim, that is treated as round.
 const RIM: f64 = 0.25;
+/// Cosine of a normal with the axle below which the plane of a disc is at right angles to a face.
+const LEVEL: f64 = 1e-9;
+/// Most planes that cut a disc off a shape.
+const MAX_CUTS: usize = 8;
+/// Distances from a shape within which a point is on it, m: at which the search ends, and at its end.
+const EXACT: f64 = 1e-10;
+const TIGHT: f64 = 1e-6;
 
 /// A contact, in the frame of the query.
 #[derive(Debug, Clone, Copy)]
@@ -56,13 +63,67 @@ pub(super) struct Wheel {
     pub(super) half_width: f64,
 }
 
+/// A plane by its normal and a point.
+type Plane = (Vector3<f64>, Vector3<f64>);
+
+/// A disc of a wheel beside a shape.
+#[derive(Debug, Clone, Copy)]
+struct Disc {
+    /// Its contact; `None` if its plane does not meet the shape.
+    touch: Option<Touch>,
+    /// Distance of the plane from the shape where both are nearest to the axle, as far as it was looked for, m.
+    distance: f64,
+}
+
+/// A half-plane in the plane of a disc, in which the shape lies.
+#[derive(Debug, Clone, Copy)]
+struct Cut {
+    /// Its outward normal.
+    flat: Vector2<f64>,
+    /// Distance of its border from the axle along the normal, m; negative if it does not hold the axle.
+    reach: f64,
+    /// The normal in space, and the length of its part in the plane of the disc.
+    size: f64,
+    normal: Vector3<f64>,
+}
+
+impl Disc {
+    /// Returns what is least for the nearest disc: the gap, and for one beside the shape more than any gap.
+    fn rank(&self) -> f64 {
+        self.touch.map_or(1e3 + self.distance, |touch| touch.gap)
+    }
+}
+
+/// Returns the point within all half-planes that is nearest to the axle, and the normal of the plane that bounds it there. `None` if there is no such
+/// point, or if the axle is one. In a corner the plane is the one between the two cuts, which the disc touches there.
+fn nearest_within(cuts: &[Cut]) -> Option<(Vector2<f64>, Vector3<f64>)> {
+    let is_within = |at: &Vector2<f64>| cuts.iter().all(|cut| cut.flat.dot(at) <= cut.reach + EXACT);
+    let feet = cuts.iter().filter(|cut| cut.reach < 0.0).map(|cut| (cut.flat * cut.reach, cut));
+    if let Some((at, cut)) = feet.clone().find(|(at, _)| is_within(at)) {
+        return Some((at, cut.normal));
+    }
+    let pairs = cuts.iter().enumerate().flat_map(|(index, one)| cuts[..index].iter().map(move |other| (one, other)));
+    let corners = pairs.filter_map(|(one, other)| {
+        let rows = Matrix2::from_rows(&[one.flat.transpose(), other.flat.transpose()]);
+        let at = rows.lu().solve(&Vector2::new(one.reach, other.reach)).filter(is_within)?;
+        // Both normals together point from the corner to the axle.
+        let parts = rows.transpose().lu().solve(&-at)?;
+        let normal = one.normal * (parts.x / one.size) + other.normal * (parts.y / other.size);
+        Some((at, normal.try_normalize(LEVEL)?))
+    });
+    corners.min_by(|(one, _), (other, _)| one.norm_squared().total_cmp(&other.norm_squared()))
+}
+
 impl Wheel {
     /// Returns the contact with a plane through a point.
     pub(super) fn on_plane(&self, normal: Vector3<f64>, place: Vector3<f64>) -> Touch {
-        let lean = normal.dot(&self.axle);
-        let along = (-lean / LEANING).clamp(-1.0, 1.0) * self.half_width;
-        let point = self.hub + self.axle * along + self.toward(&normal) * self.radius;
+        let point = self.hub + self.axle * self.place_on(&normal) + self.toward(&normal) * self.radius;
         Touch { normal, point, gap: normal.dot(&(point - place)), share: 1.0, roller: None }
+    }
+
+    /// Returns the place on the axle at which the wheel touches a plane, m.
+    pub(super) fn place_on(&self, normal: &Vector3<f64>) -> f64 {
+        (-normal.dot(&self.axle) / LEANING).clamp(-1.0, 1.0) * self.half_width
     }
 
     /// Returns the unit vector from the axle to the rim's nearest point to a plane.
@@ -77,10 +138,12 @@ impl Wheel {
     }
 
     /// Returns the contacts of the tread with a shape within a distance, m, or `None` if the side of the wheel faces it. `nearest` gives a
-    /// point's distance from the shape, and the normal there.
+    /// point's distance from the shape, and the normal there. On a shape that moves a disc has the first plane that separates them, though
+    /// it may touch the shape beside the disc: exact contacts come and go, and a heap on them would not come to rest.
     pub(super) fn on_shape(
         &self,
         prediction: f64,
+        is_fixed: bool,
         nearest: impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)>,
     ) -> Option<[Option<Touch>; 3]> {
         let nothing = Some([None; 3]);
@@ -97,29 +160,60 @@ impl Wheel {
             let touch = self.on_plane(left, left_place);
             return Some([Some(touch).filter(|touch| touch.gap <= prediction), None, None]);
         }
-        let touch = |along: f64, normal: Vector3<f64>, place: Vector3<f64>| {
-            let point = self.hub + self.axle * along + self.toward(&normal) * self.radius;
-            Touch { normal, point, gap: normal.dot(&(point - place)), share: 1.0, roller: None }
+        let disc = |along: f64, plane: Plane| {
+            if is_fixed { self.disc(along, plane, &nearest) } else { self.beside(along, plane) }
         };
-        let edges = [touch(-self.half_width, left, left_place), touch(self.half_width, right, right_place)];
-        let least = edges.iter().map(|edge| edge.gap).fold(prediction, f64::min);
-        let at =
-            |along: f64| self.plane_under(along, normal, &nearest).map(|(normal, place)| touch(along, normal, place));
-        let between = self.nearest_disc(at).filter(|between| between.gap < least - SAME_HEIGHT);
-        let edges = edges.map(|edge| Some(edge).filter(|edge| edge.gap <= prediction));
-        Some([edges[0], edges[1], between])
+        let edges = [(-self.half_width, (left, left_place)), (self.half_width, (right, right_place))]
+            .map(|(along, plane)| disc(along, plane));
+        let gap = |edge: &Disc| edge.touch.map_or(f64::INFINITY, |touch| touch.gap);
+        let least = edges.iter().map(gap).fold(prediction, f64::min);
+        let at = |along: f64| Some(disc(along, self.plane_under(along, normal, &nearest)?));
+        let may_be_nearer = !is_fixed || self.least_between(&edges) < least - SAME_HEIGHT;
+        let between = may_be_nearer.then(|| self.nearest_disc(at)).flatten();
+        let between = between.filter(|between| between.gap < least - SAME_HEIGHT);
+        let is_near = |touch: &Touch| {
+            if is_fixed { self.is_near(touch, prediction) } else { touch.gap <= prediction }
+        };
+        let [left, right] = edges.map(|edge| edge.touch);
+        Some([left, right, between].map(|touch| touch.filter(is_near)))
+    }
+
+    /// True if a disc is within a distance, m, of what it touches, measured in its own plane: along a normal that leans to the axle the rim
+    /// may be near a plane, and far above the edge that the plane goes through.
+    fn is_near(&self, touch: &Touch, prediction: f64) -> bool {
+        let lean = touch.normal.dot(&self.axle);
+        lean.abs() < SIDE && touch.gap <= prediction * (1.0 - lean * lean).sqrt()
+    }
+
+    /// Returns a gap that no disc between the edges is below. The gap is a convex function of the place on the axle, so it lies above its
+    /// tangents at both edges. An edge beside the shape has none.
+    fn least_between(&self, edges: &[Disc; 2]) -> f64 {
+        let width = 2.0 * self.half_width;
+        // Gap at an edge, and its slope inward.
+        let edge =
+            |edge: &Disc, inward: f64| edge.touch.map(|touch| (touch.gap, touch.normal.dot(&self.axle) * inward));
+        match (edge(&edges[0], 1.0), edge(&edges[1], -1.0)) {
+            (Some((gap, slope)), _) | (_, Some((gap, slope))) if slope >= 0.0 => gap,
+            (Some((left, falls)), Some((right, rises))) => {
+                let along = (right - left + rises * width) / (falls + rises);
+                left + falls * along
+            }
+            (Some((gap, slope)), None) | (None, Some((gap, slope))) => gap + slope * width,
+            // A shape that no disc reaches at the edges is no nearer than their distance less the width.
+            (None, None) => edges.iter().map(|edge| edge.distance - width).fold(f64::INFINITY, f64::min),
+        }
     }
 
     /// Returns the contact of the nearest disc. The gap to a convex shape is a convex function of the place on the axle, so a golden
     /// section search finds its minimum.
-    fn nearest_disc(&self, at: impl Fn(f64) -> Option<Touch>) -> Option<Touch> {
+    fn nearest_disc(&self, at: impl Fn(f64) -> Option<Disc>) -> Option<Touch> {
         const SHARE: f64 = 0.618_033_988_749_895;
         let (mut low, mut high) = (-self.half_width, self.half_width);
         let inner = |low: f64, high: f64| (high - SHARE * (high - low), low + SHARE * (high - low));
         let (one, other) = inner(low, high);
         let (mut left, mut right) = ((one, at(one)?), (other, at(other)?));
         for _ in 0..HALVINGS {
-            if left.1.gap < right.1.gap {
+            if left.1.rank() < right.1.rank() {
                 (high, right) = (right.0, left);
                 let (place, _) = inner(low, high);
                 left = (place, at(place)?);
@@ -129,7 +223,49 @@ impl Wheel {
                 right = (place, at(place)?);
             }
         }
-        Some(if left.1.gap < right.1.gap { left.1 } else { right.1 })
+        if left.1.rank() < right.1.rank() { left.1.touch } else { right.1.touch }
+    }
+
+    /// Returns the contact of the disc at a place on the axle with a plane.
+    fn beside(&self, along: f64, (normal, place): Plane) -> Disc {
+        let point = self.hub + self.axle * along + self.toward(&normal) * self.radius;
+        let gap = normal.dot(&(point - place));
+        Disc { touch: Some(Touch { normal, point, gap, share: 1.0, roller: None }), distance: 0.0 }
+    }
+
+    /// Returns the contact of the disc at a place on the axle, from a plane that separates it from the shape. The plane may touch the shape
+    /// beside the disc: then further planes cut it off, until they meet the shape in the plane of the disc.
+    fn disc(
+        &self,
+        along: f64,
+        (normal, place): Plane,
+        nearest: impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)>,
+    ) -> Disc {
+        if normal.dot(&self.axle).abs() < LEVEL {
+            return self.beside(along, (normal, place));
+        }
+        let centre = self.hub + self.axle * along;
+        let one = self.toward(&normal);
+        let two = self.axle.cross(&one);
+        let mut cuts = Vec::with_capacity(MAX_CUTS);
+        let (mut normal, mut place, mut distance) = (normal, place, f64::INFINITY);
+        let mut reached = None;
+        while cuts.len() < MAX_CUTS && distance > EXACT {
+            let flat = Vector2::new(normal.dot(&one), normal.dot(&two));
+            let size = flat.norm();
+            if size < LEVEL {
+                break;
+            }
+            cuts.push(Cut { flat: flat / size, reach: normal.dot(&(place - centre)) / size, size, normal });
+            let Some((at, bound)) = nearest_within(&cuts) else { break };
+            let point = centre + one * at.x + two * at.y;
+            // A point that is on the surface has no normal.
+            (distance, normal) = nearest(point).unwrap_or((0.0, normal));
+            place = point - normal * distance;
+            reached = Some((bound, point)).filter(|_| distance < TIGHT);
+        }
+        let touch = reached.and_then(|plane| self.beside(along, plane).touch);
+        Disc { touch, distance }
     }
 
     /// Returns the plane that separates the disc at a place on the axle from a shape: its normal and a point on it.
@@ -163,7 +299,7 @@ mod tests {
         Wheel { hub: Vector3::new(0.0, 0.0, 0.1), axle: Vector3::new(0.0, 1.0, 0.0), radius: 0.1, half_width: 0.03 };
 
     fn touches(wheel: Wheel, nearest: impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)>) -> Vec<Touch> {
-        wheel.on_shape(0.001, nearest).into_iter().flatten().flatten().collect()
+        wheel.on_shape(0.001, true, nearest).into_iter().flatten().flatten().collect()
     }
 
     /// Signed distance to a step: a box with its edge on the line x = `edge`, z = 0. Up is z.
@@ -193,6 +329,82 @@ mod tests {
         let found = touches(leaning, |point| Some((point.z, Vector3::z())));
         assert!((found[0].point.y + 0.03 * cos - 0.1 * sin).abs() < 1e-9, "{found:?}");
         assert!((found[0].gap - (0.1 - 0.1 * cos - 0.03 * sin)).abs() < 1e-9, "{found:?}");
+    }
+
+    /// A wheel that rolls on a floor does not overlap a tile of it, wherever the tile lies, and however the wheel is turned.
+    #[test]
+    fn a_wheel_on_the_ground_overlaps_no_tile_of_it() {
+        for (turn, x, y) in
+            (-8..=8).flat_map(|turn| (-30..=30).flat_map(move |x| (-20..=20).map(move |y| (turn, x, y))))
+        {
+            let [x, y] = [x, y].map(|place| f64::from(place) * 0.01);
+            let tile = |point: Vector3<f64>| {
+                let off = point.xy().map(|at| (at.abs() - 0.1).max(0.0).copysign(at));
+                let outside = Vector3::new(off.x, off.y, point.z.max(0.0));
+                if outside.norm() > 0.0 {
+                    return Some((outside.norm(), outside.normalize()));
+                }
+                let side = point.xy().map(|at| at.abs() - 0.1);
+                let [(depth, normal), second, third] = [
+                    (point.z, Vector3::z()),
+                    (side.x, Vector3::x() * point.x.signum()),
+                    (side.y, Vector3::y() * point.y.signum()),
+                ];
+                Some(
+                    [second, third]
+                        .into_iter()
+                        .fold((depth, normal), |one, other| if other.0 > one.0 { other } else { one }),
+                )
+            };
+            let (sin, cos) = (f64::from(turn) * 0.2).sin_cos();
+            let wheel = Wheel { hub: Vector3::new(x, y, 0.1), axle: Vector3::new(-sin, cos, 0.0), ..WHEEL };
+            for touch in touches(wheel, tile) {
+                assert!(touch.gap > -1e-4, "turned by {turn}, at {x} {y}: {touch:?}");
+            }
+        }
+    }
+
+    /// A triangle under one edge of a wheel, or under both, holds it there.
+    #[test]
+    fn a_triangle_under_an_edge_holds_it() {
+        use rapier3d::math::Vector;
+        use rapier3d::parry::shape::Triangle;
+        let corners = [[-0.1, -0.08], [0.13, -0.05], [-0.02, 0.11]];
+        let [one, two, three] = corners.map(|[x, y]| Vector::new(x, y, 0.0));
+        let triangle = Triangle::new(one, two, three);
+        let holds = |at: Vector3<f64>| {
+            (0..3).all(|side| {
+                let [[x, y], [to_x, to_y]] = [corners[side], corners[(side + 1) % 3]];
+                (to_x - x) * (at.y - y) - (to_y - y) * (at.x - x) > 1e-4
+            })
+        };
+        let nearest = |point: Vector3<f64>| {
+            let (distance, normal) =
+                super::super::super::contact::distance(&triangle, super::super::super::convert::vector(point))?;
+            Some((distance, super::super::super::convert::from_vector(normal)))
+        };
+        let mut held = [0; 3];
+        for (turn, x, y) in
+            (-8..=8).flat_map(|turn| (-30..=30).flat_map(move |x| (-20..=20).map(move |y| (turn, x, y))))
+        {
+            let (sin, cos) = (f64::from(turn) * 0.2).sin_cos();
+            let wheel = Wheel {
+                hub: Vector3::new(f64::from(x) * 0.01, f64::from(y) * 0.01, 0.1 - 3e-7),
+                // It leans as a robot does that sinks in by less than a micrometre.
+                axle: Vector3::new(-sin, cos, 2e-6).normalize(),
+                ..WHEEL
+            };
+            let edges = [-1.0, 1.0].map(|side| wheel.hub + wheel.axle * (side * wheel.half_width) - Vector3::z() * 0.1);
+            let under = edges.map(holds);
+            let found = touches(wheel, nearest);
+            let is_at = |at: Vector3<f64>| found.iter().any(|it| (it.point - at).norm() < 2e-6 && it.normal.z > 0.999);
+            let middle = is_at(wheel.hub - Vector3::z() * 0.1);
+            held[under.iter().filter(|it| **it).count()] += 1;
+            for (at, under) in edges.into_iter().zip(under) {
+                assert!(!under || middle || is_at(at), "turned by {turn}, hub {:?}, {under:?}: {found:?}", wheel.hub);
+            }
+        }
+        assert!(held.iter().all(|count| *count > 100), "{held:?}");
     }
 
     /// Beyond a step's edge, the edge holds the wheel. The normal points from there to the hub.
