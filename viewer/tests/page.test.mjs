@@ -20,7 +20,7 @@ import {
 import { runnerImport } from 'vite';
 import { connectRobots, number, pictures, program, root, startServer, until, waitForNumber } from './server.mjs';
 
-const { AXIS_COLOURS, FORCE_COLOUR } = (await runnerImport(join(root, 'viewer/src/view/colours.ts'))).module;
+const { AXIS_COLOURS, FORCE_COLOURS } = (await runnerImport(join(root, 'viewer/src/view/colours.ts'))).module;
 
 pageTest('an empty world is shown at once', { serve: ['--map', 'arena'] }, async ({ page, seconds }) => {
   console.log(`# first picture after ${seconds.toFixed(2)} s`);
@@ -203,7 +203,7 @@ pageTest(
     await page.click('#layers summary');
     for (const layer of ['forces', 'frames']) await page.check(`[name=${layer}]`);
     await page.click('#layers summary');
-    await waitForPixels(page, 40, ...near(FORCE_COLOUR, 50));
+    await waitForPixels(page, 40, ...near(FORCE_COLOURS[0], 50));
     for (const colour of AXIS_COLOURS) await waitForPixels(page, 5, ...near(colour, 40));
     // Without a graphics card the best quality takes a while.
     const [download] = await Promise.all([

@@ -64,9 +64,7 @@ export function curveColours(curves: { robot: number; colour: string }[]): strin
 }
 
 /** Colours of contact forces, which no robot and no axis has: of a contact with all of its friction left, and of one that slides. */
-export const FORCE_COLOURS = ['#ffc9f0', '#ff10c0'] as const;
-/** Colour of the slip of contacts. */
-export const SLIP_COLOUR = '#ff6a00';
+export const FORCE_COLOURS = ['#ff10c0', '#6a00ff'] as const;
 
 /** Colours of the axes x, y and z. */
 export const AXIS_COLOURS = ['#e0525e', '#3fa66a', '#4a7fe0'] as const;

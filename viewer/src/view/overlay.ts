@@ -5,7 +5,7 @@ import type { Contact, Frame, RobotState, Scan } from '../protocol/frame';
 import type { RobotClass, Sensor, Wheel } from '../protocol/scene';
 import { Arrows } from './arrows';
 import { Axes } from './axes';
-import { FORCE_COLOURS, SLIP_COLOUR } from './colours';
+import { FORCE_COLOURS } from './colours';
 import { Patches } from './patches';
 import { Path } from './paths';
 import { PointCloud } from './points';
@@ -27,7 +27,6 @@ const LEAST_FORCE = 0.5;
 const SLIP_LENGTH = 0.06;
 const LEAST_SLIP = 0.002;
 const [HOLDS, SLIDES] = FORCE_COLOURS.map((colour) => new THREE.Color(colour)) as [THREE.Color, THREE.Color];
-const SLIPS = new THREE.Color(SLIP_COLOUR);
 /** A beam that comes back from nothing is at its range. */
 const NOTHING = 0.9995;
 /** A path lies so far above the floor, m. */
@@ -142,7 +141,7 @@ export class Overlay {
     for (const contact of robot.contacts) this.placeContact(contact, robot, robotClass);
   }
 
-  /** Draws the force of a contact, paler the more of its friction is left, its slip, and the patch of a tyre. */
+  /** Draws the force of a contact, coloured by the part of its friction that it uses, its slip, and the patch of a tyre. */
   private placeContact({ point, force, wheel, slip, share }: Contact, robot: RobotState, { wheels }: RobotClass): void {
     const [along, at] = [new THREE.Vector3(...force), new THREE.Vector3(...point)];
     const strength = along.length();
@@ -152,7 +151,7 @@ export class Overlay {
     const over = new THREE.Vector3(...slip);
     const speed = over.length();
     if (speed > LEAST_SLIP) {
-      this.forces.add(at, over.divideScalar(speed), SLIP_LENGTH * Math.log10(1 + 1000 * speed), SLIPS);
+      this.forces.add(at, over.divideScalar(speed), SLIP_LENGTH * Math.log10(1 + 1000 * speed), SLIDES);
     }
     const ofClass = wheel === null ? undefined : wheels[wheel];
     if (ofClass?.patch) this.patches.add(at, ...patchAxes(ofClass, ofClass.patch, at, robot), colour);

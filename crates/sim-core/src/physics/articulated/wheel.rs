@@ -1,8 +1,8 @@
 //! Contacts of a plain wheel with a convex shape.
 //!
 //! The wheel is a cylinder that gives way a little. Flat on a plane, its load is in the middle, and it moves to an edge as the wheel leans.
-//! On other shapes the wheel is a row of discs. Each touches the plane that separates it from the shape. The two edges and the nearest disc
-//! count.
+//! On other shapes the wheel is a row of discs. Each touches the plane that separates it from the shape, and of a fixed shape the part that
+//! lies in the disc's own plane. The two edges and the nearest disc count.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -94,8 +94,8 @@ impl Disc {
     }
 }
 
-/// Returns the point within all half-planes that is nearest to the axle, and the normal of the plane that bounds it there. `None` if there is no such
-/// point, or if the axle is one. In a corner the plane is the one between the two cuts, which the disc touches there.
+/// Returns the point within all half-planes that is nearest to the axle, and the normal of the plane that bounds it there. In a corner that
+/// is the plane between two cuts. `None` if there is no such point, or if the axle is one.
 fn nearest_within(cuts: &[Cut]) -> Option<(Vector2<f64>, Vector3<f64>)> {
     let is_within = |at: &Vector2<f64>| cuts.iter().all(|cut| cut.flat.dot(at) <= cut.reach + EXACT);
     let feet = cuts.iter().filter(|cut| cut.reach < 0.0).map(|cut| (cut.flat * cut.reach, cut));
@@ -274,7 +274,7 @@ impl Wheel {
         along: f64,
         mut normal: Vector3<f64>,
         nearest: impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)>,
-    ) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    ) -> Option<Plane> {
         let centre = self.hub + self.axle * along;
         let mut place = None;
         for _ in 0..ROUNDS {
