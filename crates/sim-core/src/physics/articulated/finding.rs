@@ -5,7 +5,6 @@ use nalgebra::{DMatrix, Vector3};
 use rapier3d::math::Pose as EnginePose;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::query::{ShapeCastOptions, cast_shapes};
-use rapier3d::parry::shape::Shape;
 use rapier3d::prelude::*;
 use scene::Material;
 
@@ -16,7 +15,7 @@ use super::super::surface::Materials;
 use super::ArticulatedRobot;
 use super::form::{Form, Surface};
 use super::link_pose;
-use super::shape_contact::touches;
+use super::shape_contact::{Target, touches};
 use super::step_input::StepInput;
 use super::wheel::Touch;
 
@@ -203,7 +202,8 @@ impl ArticulatedRobot {
             }
             let (surface, its) = (&self.compiled.surfaces[one], &self.compiled.surfaces[other]);
             let (prediction, motion) = (at.prediction + its_at.prediction, at.motion - its_at.motion);
-            self.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, false, &mut met);
+            let target = Target { shape: its.shape.as_ref(), pose: &its_at.pose, is_fixed: false };
+            self.meet(surface, at, &target, prediction, motion, &mut met);
             let key = Key { surface: one, other: (Peer::Itself, other), number: 0 };
             let pair = Pair::of(surface, its);
             add(&mut met, key, Counterpart::Itself(other), &pair, &mut found);
@@ -216,14 +216,15 @@ impl ArticulatedRobot {
 
     fn touch_collider(&self, other: &Other, found: &mut Vec<CandidateContact>) {
         let shape = other.collider.shape();
+        let is_fixed = other.counterpart == Counterpart::Fixed;
+        let target = Target { shape, pose: other.collider.position(), is_fixed };
         let bounds = shape.as_halfspace().is_none().then(|| other.collider.compute_aabb());
         let mut met = Vec::with_capacity(4);
         for (index, (surface, at)) in self.compiled.surfaces.iter().zip(&self.placed).enumerate() {
             if bounds.is_some_and(|bounds| !bounds.intersects(&at.around)) {
                 continue;
             }
-            let is_fixed = other.counterpart == Counterpart::Fixed;
-            self.meet(surface, at, shape, other.collider.position(), at.prediction, at.motion, is_fixed, &mut met);
+            self.meet(surface, at, &target, at.prediction, at.motion, &mut met);
             if met.is_empty() {
                 continue;
             }
@@ -232,31 +233,28 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Adds the contacts of a surface with a shape at a pose. `motion` is the surface's motion towards the shape in the step, m. A surface
-    /// that moves far is swept.
-    #[allow(clippy::too_many_arguments)]
+    /// Adds the contacts of a surface with another. `motion` is its motion towards the other in the step, m. A surface that moves far is swept.
     fn meet(
         &self,
         surface: &Surface,
         at: &Placed,
-        shape: &dyn Shape,
-        pose: &EnginePose,
+        target: &Target,
         prediction: f64,
         motion: Vector3<f64>,
-        is_fixed: bool,
         met: &mut Vec<Touch>,
     ) {
-        self.meet_at(surface, &at.pose, shape, pose, prediction.min(MAX_PREDICTION), is_fixed, met);
+        self.meet_at(surface, &at.pose, target, prediction.min(MAX_PREDICTION), met);
         if prediction <= MAX_PREDICTION || !met.is_empty() {
             return;
         }
+        let &Target { shape, pose, .. } = target;
         let options = ShapeCastOptions { max_time_of_impact: 1.0, ..Default::default() };
         let way = convert::vector(motion);
         let hit = cast_shapes(&at.pose, way, surface.shape.as_ref(), pose, Vector::ZERO, shape, options);
         if let Ok(Some(hit)) = hit {
             let way = way * hit.time_of_impact;
             let there = EnginePose::from_parts(at.pose.translation + way, at.pose.rotation);
-            self.meet_at(surface, &there, shape, pose, MAX_PREDICTION, is_fixed, met);
+            self.meet_at(surface, &there, target, MAX_PREDICTION, met);
             let way = convert::from_vector(way);
             for touch in met {
                 touch.gap -= touch.normal.dot(&way);
@@ -265,23 +263,14 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Adds the contacts of a surface at a pose with a shape at another.
-    #[allow(clippy::too_many_arguments)]
-    fn meet_at(
-        &self,
-        surface: &Surface,
-        at: &EnginePose,
-        shape: &dyn Shape,
-        pose: &EnginePose,
-        prediction: f64,
-        is_fixed: bool,
-        met: &mut Vec<Touch>,
-    ) {
+    /// Adds the contacts of a surface at a pose with another.
+    fn meet_at(&self, surface: &Surface, at: &EnginePose, target: &Target, prediction: f64, met: &mut Vec<Touch>) {
+        let &Target { shape, pose, .. } = target;
         let ring = match surface.form {
             Form::Rollers(ring) => ring,
             Form::Track(track) => return self.compiled.tracks[track].touch(surface, at, shape, pose, prediction, met),
             Form::Solid | Form::Wheel { .. } | Form::Ball { .. } => {
-                return touches(surface, at, shape, pose, prediction, is_fixed, met);
+                return touches(surface, at, target, prediction, met);
             }
         };
         let ring = &self.compiled.rings[ring];
@@ -397,7 +386,8 @@ pub(super) fn touch_each_other(
             let its = &robots[second].compiled.surfaces[its_index];
             let prediction = at.prediction + its_at.prediction;
             let motion = at.motion - its_at.motion;
-            robot.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, false, &mut met);
+            let target = Target { shape: its.shape.as_ref(), pose: &its_at.pose, is_fixed: false };
+            robot.meet(surface, at, &target, prediction, motion, &mut met);
             let key = Key { surface: index, other: (Peer::Body(robots[second].id), its_index), number: 0 };
             let pair = Pair::of(surface, its);
             add(&mut met, key, Counterpart::Robot(second, its_index), &pair, &mut added);

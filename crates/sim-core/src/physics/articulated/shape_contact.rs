@@ -18,16 +18,17 @@ const SAME_PLACE: f64 = 1e-5;
 /// Most contacts between two faces.
 const MAX_POINTS: usize = 4;
 
-/// Adds the contacts of a surface with a shape, which may be a fixed one, each at a pose, within a distance, m, in world axes.
-pub(super) fn touches(
-    own: &Surface,
-    own_pose: &EnginePose,
-    other: &dyn Shape,
-    other_pose: &EnginePose,
-    prediction: f64,
-    is_fixed: bool,
-    found: &mut Vec<Touch>,
-) {
+/// A shape at a pose, which a surface may touch.
+pub(super) struct Target<'a> {
+    pub(super) shape: &'a dyn Shape,
+    pub(super) pose: &'a EnginePose,
+    /// True for a part of the map.
+    pub(super) is_fixed: bool,
+}
+
+/// Adds the contacts of a surface at a pose with a shape, within a distance, m, in world axes.
+pub(super) fn touches(own: &Surface, own_pose: &EnginePose, target: &Target, prediction: f64, found: &mut Vec<Touch>) {
+    let &Target { shape: other, pose: other_pose, is_fixed } = target;
     if let Some(half_space) = other.as_halfspace() {
         let normal = convert::from_vector(other_pose.rotation * half_space.normal);
         let place = convert::from_vector(other_pose.translation);

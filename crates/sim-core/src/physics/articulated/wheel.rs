@@ -117,7 +117,12 @@ fn nearest_within(cuts: &[Cut]) -> Option<(Vector2<f64>, Vector3<f64>)> {
 impl Wheel {
     /// Returns the contact with a plane through a point.
     pub(super) fn on_plane(&self, normal: Vector3<f64>, place: Vector3<f64>) -> Touch {
-        let point = self.hub + self.axle * self.place_on(&normal) + self.toward(&normal) * self.radius;
+        self.disc_on_plane(self.place_on(&normal), (normal, place))
+    }
+
+    /// Returns the contact of the disc at a place on the axle with a plane.
+    fn disc_on_plane(&self, along: f64, (normal, place): Plane) -> Touch {
+        let point = self.hub + self.axle * along + self.toward(&normal) * self.radius;
         Touch { normal, point, gap: normal.dot(&(point - place)), share: 1.0, roller: None }
     }
 
@@ -155,16 +160,19 @@ impl Wheel {
             return None;
         }
         let planes = [-1.0, 1.0].map(|side| self.plane_under(side * self.half_width, normal, &nearest));
-        let [Some((left, left_place)), Some((right, right_place))] = planes else { return nothing };
-        if left.dot(&right) > SAME_NORMAL && left.dot(&(right_place - left_place)).abs() < SAME_HEIGHT {
-            let touch = self.on_plane(left, left_place);
+        let [Some(left), Some(right)] = planes else { return nothing };
+        if left.0.dot(&right.0) > SAME_NORMAL && left.0.dot(&(right.1 - left.1)).abs() < SAME_HEIGHT {
+            let touch = self.on_plane(left.0, left.1);
             return Some([Some(touch).filter(|touch| touch.gap <= prediction), None, None]);
         }
         let disc = |along: f64, plane: Plane| {
-            if is_fixed { self.disc(along, plane, &nearest) } else { self.beside(along, plane) }
+            if is_fixed {
+                self.disc(along, plane, &nearest)
+            } else {
+                Disc { touch: Some(self.disc_on_plane(along, plane)), distance: 0.0 }
+            }
         };
-        let edges = [(-self.half_width, (left, left_place)), (self.half_width, (right, right_place))]
-            .map(|(along, plane)| disc(along, plane));
+        let edges = [disc(-self.half_width, left), disc(self.half_width, right)];
         let gap = |edge: &Disc| edge.touch.map_or(f64::INFINITY, |touch| touch.gap);
         let least = edges.iter().map(gap).fold(prediction, f64::min);
         let at = |along: f64| Some(disc(along, self.plane_under(along, normal, &nearest)?));
@@ -226,30 +234,18 @@ impl Wheel {
         if left.1.rank() < right.1.rank() { left.1.touch } else { right.1.touch }
     }
 
-    /// Returns the contact of the disc at a place on the axle with a plane.
-    fn beside(&self, along: f64, (normal, place): Plane) -> Disc {
-        let point = self.hub + self.axle * along + self.toward(&normal) * self.radius;
-        let gap = normal.dot(&(point - place));
-        Disc { touch: Some(Touch { normal, point, gap, share: 1.0, roller: None }), distance: 0.0 }
-    }
-
     /// Returns the contact of the disc at a place on the axle, from a plane that separates it from the shape. The plane may touch the shape
     /// beside the disc: then further planes cut it off, until they meet the shape in the plane of the disc.
-    fn disc(
-        &self,
-        along: f64,
-        (normal, place): Plane,
-        nearest: impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)>,
-    ) -> Disc {
+    fn disc(&self, along: f64, plane: Plane, nearest: impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)>) -> Disc {
+        let (mut normal, mut place) = plane;
         if normal.dot(&self.axle).abs() < LEVEL {
-            return self.beside(along, (normal, place));
+            return Disc { touch: Some(self.disc_on_plane(along, plane)), distance: 0.0 };
         }
         let centre = self.hub + self.axle * along;
         let one = self.toward(&normal);
         let two = self.axle.cross(&one);
         let mut cuts = Vec::with_capacity(MAX_CUTS);
-        let (mut normal, mut place, mut distance) = (normal, place, f64::INFINITY);
-        let mut reached = None;
+        let (mut distance, mut reached) = (f64::INFINITY, None);
         while cuts.len() < MAX_CUTS && distance > EXACT {
             let flat = Vector2::new(normal.dot(&one), normal.dot(&two));
             let size = flat.norm();
@@ -264,8 +260,7 @@ impl Wheel {
             place = point - normal * distance;
             reached = Some((bound, point)).filter(|_| distance < TIGHT);
         }
-        let touch = reached.and_then(|plane| self.beside(along, plane).touch);
-        Disc { touch, distance }
+        Disc { touch: reached.map(|plane| self.disc_on_plane(along, plane)), distance }
     }
 
     /// Returns the plane that separates the disc at a place on the axle from a shape: its normal and a point on it.
