@@ -76,21 +76,11 @@ function gripValues(name: string, index: number): Value[] {
       const total = own.reduce((sum, [force]) => sum + force, 0);
       return total > 0 ? own.reduce((sum, [force, part]) => sum + force * part, 0) / total : null;
     };
+  const slip = mean(({ slip }) => 1000 * Math.hypot(...slip));
+  const used = mean(({ share }) => 100 * share);
   return [
-    value(
-      `${name} slip`,
-      'mm/s',
-      1,
-      mean(({ slip }) => 1000 * Math.hypot(...slip)),
-      `slip${index}`,
-    ),
-    value(
-      `${name} friction`,
-      '%',
-      0,
-      mean(({ share }) => 100 * share),
-      `grip${index}`,
-    ),
+    value(`${name} slip`, 'mm/s', 1, slip, `slip${index}`),
+    value(`${name} friction`, '%', 0, used, `grip${index}`),
   ];
 }
 

@@ -7,7 +7,7 @@ const CAPACITY = 500;
 const CORNERS = 24;
 
 export class Patches {
-  readonly mesh: THREE.InstancedMesh;
+  readonly mesh: THREE.InstancedMesh<THREE.CircleGeometry, THREE.MeshBasicMaterial>;
 
   constructor() {
     const material = new THREE.MeshBasicMaterial({
@@ -45,7 +45,7 @@ export class Patches {
   }
 
   dispose(): void {
-    this.mesh.material instanceof THREE.Material && this.mesh.material.dispose();
+    this.mesh.material.dispose();
     this.mesh.geometry.dispose();
     this.mesh.dispose();
   }
