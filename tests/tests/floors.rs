@@ -74,6 +74,8 @@ fn a_robot_drives_on_many_faces_as_on_one_plane() {
         ("P3AT", "DRIVE {Left 2}{Right -2}"),
         ("P3AT", "DRIVE {Left 3}{Right 1}"),
         ("P2DX", "DRIVE {Left 3}{Right 1}"),
+        ("Kenaf", "DRIVE {Left 2}{Right -2}"),
+        ("Kenaf", "DRIVE {Left 3}{Right 1}"),
         ("FrontAckerman", "DRIVE {Speed 1.5}{FrontSteer 0.3}{RearSteer 0}"),
     ] {
         let expected = drive(&plane, class, line);

@@ -116,7 +116,7 @@ impl Belt {
             [x + radius * cos, z + radius * sin]
         };
         let corners = self.rollers.iter().flat_map(|roller| directions.iter().map(move |&angle| corner(roller, angle)));
-        hull(corners.collect())
+        convex_hull(corners.collect(), 1e-12)
     }
 
     /// Returns the length of the belt, m.
@@ -191,17 +191,18 @@ fn run_direction(&[x, z, radius]: &[f64; 3], &[to_x, to_z, other]: &[f64; 3]) ->
     (distance > 0.0 && lean.abs() < 1.0).then(|| libm::atan2(down, along) + libm::acos(lean))
 }
 
-/// Returns the convex hull of points, in order around it (Andrew's monotone chain).
-fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+/// Returns the corners of the convex hull of points in their first two coordinates, in order around it (Andrew's monotone chain).
+/// A corner counts if the triangle with its neighbours has more than half of `least` as its area, m².
+pub fn convex_hull<const N: usize>(mut points: Vec<[f64; N]>, least: f64) -> Vec<[f64; N]> {
     points.sort_by(|one, other| one[0].total_cmp(&other[0]).then(one[1].total_cmp(&other[1])));
-    points.dedup_by(|one, other| distance(one, other) < 1e-9);
-    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
-        let mut chain: Vec<[f64; 2]> = Vec::new();
+    points.dedup_by(|one, other| distance(&[one[0], one[1]], &[other[0], other[1]]) < 1e-9);
+    let half = |points: &mut dyn Iterator<Item = [f64; N]>| {
+        let mut chain: Vec<[f64; N]> = Vec::new();
         for point in points {
             while let [.., before, last] = chain[..] {
                 let turn =
                     (last[0] - before[0]) * (point[1] - before[1]) - (last[1] - before[1]) * (point[0] - before[0]);
-                if turn > 1e-12 {
+                if turn > least {
                     break;
                 }
                 chain.pop();

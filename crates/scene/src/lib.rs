@@ -98,7 +98,7 @@ use serde::{Deserialize, Serialize};
 
 pub use actuator::{Actuator, Gripper, Tool, ToolChanger, Vacuum};
 pub use base::{Aerial, Drivetrain, Footing};
-pub use belt::{Belt, Disc, LOADED, Pads};
+pub use belt::{Belt, Disc, LOADED, Pads, convex_hull};
 pub use classes::Classes;
 pub use drawing::{Drawn, Geometry, Moves, Visual};
 pub use fnv::Fnv;

@@ -2,6 +2,7 @@
 //!
 //! The engine holds their shapes on kinematic bodies, so rays and the engine's own bodies meet them.
 
+mod area;
 mod compile;
 mod contact;
 mod finding;

@@ -36,20 +36,20 @@ const SAME_SURFACE: f64 = 0.99;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Key {
     pub(super) surface: usize,
-    other: (Peer, usize),
+    pub(super) other: (Peer, usize),
     pub(super) number: usize,
 }
 
 /// The owner of the other surface of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-enum Peer {
+pub(super) enum Peer {
     Fixed,
     Itself,
     Body(BodyId),
     OfEngine,
 }
 
-/// A contact of a robot's surface.
+/// A contact of a robot's surface. Of a track on a fixed shape, first a corner of an area of contact.
 #[derive(Clone)]
 pub(super) struct CandidateContact {
     pub(super) key: Key,
@@ -92,7 +92,7 @@ pub(super) struct Placed {
     pub(super) pose: EnginePose,
     pub(super) around: Aabb,
     /// Distance over which contacts are found, m: the most that its points move in a step, and a margin.
-    prediction: f64,
+    pub(super) prediction: f64,
     /// Motion of its centre in a step, m.
     motion: Vector3<f64>,
 }
@@ -101,6 +101,14 @@ impl Key {
     /// Returns the id of the other robot or object, if it is in reduced coordinates.
     pub(super) fn body(&self) -> Option<BodyId> {
         if let Peer::Body(id) = self.other.0 { Some(id) } else { None }
+    }
+}
+
+impl CandidateContact {
+    /// True if both are of the same materials and at the same speed.
+    pub(super) fn is_alike(&self, other: &Self) -> bool {
+        let pair = |it: &Self| (it.counterpart, it.friction, it.restitution, it.resistance, it.drift);
+        pair(self) == pair(other)
     }
 }
 
@@ -184,6 +192,7 @@ impl ArticulatedRobot {
             }
             self.near = Some(near);
             self.join_treads(&mut found);
+            self.join_areas(&mut found);
             keep_deepest(&mut found, MAX_CONTACTS[1], |it| it.touch.gap);
         }
         self.found = found;
@@ -268,7 +277,7 @@ impl ArticulatedRobot {
         let &Target { shape, pose, .. } = target;
         let ring = match surface.form {
             Form::Rollers(ring) => ring,
-            Form::Track(track) => return self.compiled.tracks[track].touch(surface, at, shape, pose, prediction, met),
+            Form::Track(track) => return self.compiled.tracks[track].touch(surface, at, target, prediction, met),
             Form::Solid | Form::Wheel { .. } | Form::Ball { .. } => {
                 return touches(surface, at, target, prediction, met);
             }

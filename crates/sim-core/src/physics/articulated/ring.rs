@@ -137,7 +137,7 @@ impl RollerRing {
             }
             let point = hub.translation.vector + wheel * (centre + toward * (radius + gap / 2.0));
             let roller = Some(RollerTouch { index, axis: wheel * axis, radius });
-            contacts.push(Touch { point, normal, gap, share: 1.0, roller });
+            contacts.push(Touch { roller, ..Touch::new(normal, point, gap) });
         }
     }
 
@@ -180,13 +180,9 @@ impl RollerRing {
         let radius = self.shape.radius_at(touch.along);
         let gap = touch.gap;
         let point = roller.translation.vector + axis * touch.along - normal * (radius + gap / 2.0);
-        Touch {
-            point: (frame * nalgebra::Point3::from(point)).coords,
-            normal: frame.rotation * normal,
-            gap,
-            share: 1.0,
-            roller: Some(RollerTouch { index, axis: frame.rotation * axis, radius }),
-        }
+        let point = (frame * nalgebra::Point3::from(point)).coords;
+        let roller = Some(RollerTouch { index, axis: frame.rotation * axis, radius });
+        Touch { roller, ..Touch::new(frame.rotation * normal, point, gap) }
     }
 }
 

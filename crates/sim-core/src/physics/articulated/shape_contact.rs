@@ -69,13 +69,9 @@ pub(super) fn touches(own: &Surface, own_pose: &EnginePose, target: &Target, pre
             if within.is_some_and(|within| is_inner_edge(within, &local, &touch)) {
                 continue;
             }
-            let world = Touch {
-                point: convert::from_vector(frame * convert::vector(touch.point)),
-                normal: convert::from_vector(frame.rotation * convert::vector(touch.normal)),
-                gap: touch.gap,
-                share: 1.0,
-                roller: None,
-            };
+            let point = convert::from_vector(frame * convert::vector(touch.point));
+            let normal = convert::from_vector(frame.rotation * convert::vector(touch.normal));
+            let world = Touch::new(normal, point, touch.gap);
             // Two triangles that share an edge find the same contact there.
             if !found[before..].iter().any(|known| (known.point - world.point).amax() < SAME_PLACE) {
                 found.push(world);
@@ -116,7 +112,7 @@ fn on_plane(
         }
         Form::Ball { radius } => {
             let height = normal.dot(&(centre - place));
-            Touch { normal, point: centre - normal * radius, gap: height - radius, share: 1.0, roller: None }
+            Touch::new(normal, centre - normal * radius, height - radius)
         }
         Form::Solid | Form::Rollers(_) | Form::Track(_) => {
             // The bounding box, in the surface's own axes.
@@ -140,7 +136,7 @@ fn on_ball(
     nearest: impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)>,
 ) -> Option<Touch> {
     let (distance, normal) = nearest(centre)?;
-    let touch = Touch { normal, point: centre - normal * radius, gap: distance - radius, share: 1.0, roller: None };
+    let touch = Touch::new(normal, centre - normal * radius, distance - radius);
     (touch.gap <= prediction).then_some(touch)
 }
 
@@ -162,10 +158,11 @@ fn on_solid(
     prediction: f64,
     found: &mut Vec<Touch>,
 ) {
-    on_faces(own, own_pose, other, other_pose, prediction, |touches| spread(touches, found));
+    let near = |touches: Vec<Touch>| touches.into_iter().filter(|touch| touch.gap <= prediction).collect();
+    on_faces(own, own_pose, other, other_pose, prediction, |touches| spread(near(touches), found));
 }
 
-/// Finds contacts by the engine's geometry. `on_face` gets the corners of each area of contact, in world axes.
+/// Finds contacts by the engine's geometry. `on_face` gets all corners of each area that comes within a distance, m, in world axes.
 pub(super) fn on_faces(
     own: &Surface,
     own_pose: &EnginePose,
@@ -185,10 +182,12 @@ pub(super) fn on_faces(
     for manifold in &manifolds {
         let frame = manifold.subshape_pos1().map_or(*other_pose, |pose| *other_pose * pose);
         let normal = convert::from_vector(frame.rotation * manifold.local_n1);
-        let points = manifold.points.iter().filter(|point| point.dist <= prediction);
-        let touches = points.map(|point| {
+        if manifold.points.iter().all(|point| point.dist > prediction) {
+            continue;
+        }
+        let touches = manifold.points.iter().map(|point| {
             let on_other = convert::from_vector(frame * point.local_p1);
-            Touch { normal, point: on_other + normal * point.dist, gap: point.dist, share: 1.0, roller: None }
+            Touch::new(normal, on_other + normal * point.dist, point.dist)
         });
         on_face(touches.collect());
     }

@@ -48,7 +48,7 @@ fn join(wheel: &Wheel, surface: usize, found: &mut Vec<CandidateContact>) {
     let at_edge = |side: f64| own().filter(move |it| (along(it) - side * wheel.half_width).abs() < NEAR);
     let on_both = || {
         let pairs = at_edge(-1.0).flat_map(|left| at_edge(1.0).map(move |right| (left, right)));
-        let pairs = pairs.filter(|(left, right)| is_flat(left, right) && is_alike(left, right));
+        let pairs = pairs.filter(|(left, right)| is_flat(left, right) && left.is_alike(right));
         // Edges of faces nearby lean.
         let flattest = pairs.max_by(|one, other| flatness(one).total_cmp(&flatness(other)))?;
         on_both(wheel, flattest)
@@ -57,7 +57,7 @@ fn join(wheel: &Wheel, surface: usize, found: &mut Vec<CandidateContact>) {
     // What does not rise above the plane on which the wheel stands does not hold it: it repeats the contact, or is an edge that the rim comes
     // to. Another material under the other edge does.
     let height = |it: &CandidateContact| base.touch.normal.dot(&(place(it) - place(&base)));
-    let is_other = |it: &CandidateContact| is_flat(it, &base) && !is_alike(it, &base);
+    let is_other = |it: &CandidateContact| is_flat(it, &base) && !it.is_alike(&base);
     found.retain(|it| !is_own(it) || height(it) > NEAR || is_other(it));
     found.push(base);
 }
@@ -86,10 +86,4 @@ fn place(it: &CandidateContact) -> Vector3<f64> {
 /// True if two contacts are on faces that are nearly one plane.
 fn is_flat(one: &CandidateContact, other: &CandidateContact) -> bool {
     flatness(&(one, other)) > NEARLY_SAME
-}
-
-/// True if two contacts are of one material and at the same speed.
-fn is_alike(one: &CandidateContact, other: &CandidateContact) -> bool {
-    let pair = |it: &CandidateContact| (it.counterpart, it.friction, it.restitution, it.resistance, it.drift);
-    pair(one) == pair(other)
 }

@@ -40,6 +40,15 @@ pub(super) struct Touch {
     pub(super) share: f64,
     /// The roller in contact, if any.
     pub(super) roller: Option<RollerTouch>,
+    /// For a corner of an area of contact of a track, the area's number among those with the other shape.
+    pub(super) area: Option<usize>,
+}
+
+impl Touch {
+    /// Returns the contact of a surface that has all its stiffness there.
+    pub(super) fn new(normal: Vector3<f64>, point: Vector3<f64>, gap: f64) -> Self {
+        Self { normal, point, gap, share: 1.0, roller: None, area: None }
+    }
 }
 
 /// Contact of a roller.
@@ -123,7 +132,7 @@ impl Wheel {
     /// Returns the contact of the disc at a place on the axle with a plane.
     fn disc_on_plane(&self, along: f64, (normal, place): Plane) -> Touch {
         let point = self.hub + self.axle * along + self.toward(&normal) * self.radius;
-        Touch { normal, point, gap: normal.dot(&(point - place)), share: 1.0, roller: None }
+        Touch::new(normal, point, normal.dot(&(point - place)))
     }
 
     /// Returns the place on the axle at which the wheel touches a plane, m.
