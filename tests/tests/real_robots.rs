@@ -47,6 +47,28 @@ fn a_warthog_turns_within_the_spread_of_the_real_one_at_seven_curvatures() {
     check("warthog", |row| row.spread.expect("a standard deviation"));
 }
 
+/// A robot on four driven wheels climbs what the maker says, and no more than friction allows: a slope of atan 0.8, and a step of
+/// 2 mu² / (1 + mu²) of its radius.
+#[test]
+fn a_car_climbs_the_step_and_the_slope_that_its_maker_names() {
+    let rows = rows("hunter-se");
+    let most = [2.0 * 0.64 / 1.64 * 0.1375, 0.8_f64.atan()];
+    for (row, most) in rows.iter().zip(most) {
+        println!("{}: at least {}, here {:.4}, at most {most:.4}", row.what, row.real, row.ours);
+        assert!(row.is_limit && row.agrees(), "{row:?}");
+        assert!((0.9 * most..most).contains(&row.ours), "{row:?}, at most {most}");
+    }
+}
+
+/// The friction of the rollers' bearings brakes sideways by sqrt(2) c g.
+#[test]
+fn a_mecanum_robot_without_power_is_braked_sideways_by_its_bearings() {
+    let rows = rows("ftc-mecanum");
+    let row = rows.iter().find(|row| row.what.starts_with("coasting")).expect("a row");
+    let expected = 2.0_f64.sqrt() * 0.054 * 9.81;
+    assert!((row.ours / expected - 1.0).abs() < 0.03 && row.agrees(), "{row:?}, expected {expected}");
+}
+
 /// Every file of the project reads, runs, and gives the same bits again.
 #[test]
 fn every_robot_of_the_project_is_compared() {
@@ -54,7 +76,7 @@ fn every_robot_of_the_project_is_compared() {
         let id = name.trim_end_matches(".toml");
         let (one, again) = (rows(id), rows(id));
         assert_eq!(one, again, "{id}");
-        assert!(one.iter().all(|row| row.ours.is_finite() && row.ours > 0.5), "{id}: {one:?}");
+        assert!(one.iter().all(|row| row.ours.is_finite() && row.ours > 0.0), "{id}: {one:?}");
     }
 }
 
@@ -67,8 +89,11 @@ fn a_file_that_measures_nothing_or_nonsense_is_refused_by_name() {
     let head = "name = 'Robot'\nsource = 'a paper'\n";
     let with = |robot: &str, rest: &str| format!("{head}{robot}{FLOOR}{rest}");
     for (text, expected) in [
-        (with(ROBOT, ""), "0 of [[turn]] and [[strafe]]: expected 1 to 1000"),
+        (with(ROBOT, ""), "0 of [[turn]], [[strafe]] and [[figure]]: expected 1 to 1000"),
         (with(ROBOT, "[[strafe]]\nratio = 1.0\n"), "expected a Mecanum robot"),
+        (with(ROBOT, "[[figure]]\nwhat = 'coasting'\nvalue = 1.0\n"), "ahead (m/s²) of a robot without `rollers`"),
+        (with(ROBOT, "[[figure]]\nwhat = 'uphill'\nvalue = 1.0\nslope = 2\n"), "`slope` is 2: expected 0 to 0.5 rad"),
+        (with(ROBOT, "[[figure]]\nwhat = 'weight'\nvalue = 1.0\n"), "unknown variant `weight`"),
         (with(ROBOT, &TURN.replace("curvature = 0", "curvature = -1")), "`curvature` is -1: expected 0 to 1000"),
         (with(ROBOT, &TURN.replace("1.5", "nan")), "a measured NaN: expected positive numbers"),
         (with(ROBOT, &TURN.replace("1.5", "0")), "a measured 0: expected positive numbers"),

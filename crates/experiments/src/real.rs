@@ -3,28 +3,23 @@
 //! A file has one robot: its dimensions, its floor, what was measured, and the source of each number. Nothing in it is fitted to what the
 //! simulation gives, but for tyres, which say so.
 
+mod measure;
 pub mod report;
 mod robot;
 
-use gamebots_proto::command::Init;
 use include_dir::{Dir, include_dir};
-use nalgebra::Vector3;
-use scene::wrapped;
 use serde::{Deserialize, Serialize};
-use sim_core::{Options, World};
 
-use crate::course::{Course, Motion, MotionError, drive, heading};
 use crate::thesis::toml_files;
+pub use measure::run;
 pub use robot::{Dimensions, Floor};
 
-/// Speed of the faster side's wheels, m/s.
-const SPEED: f64 = 0.4;
 /// Most measurements of a file.
 const MAX_ROWS: usize = 1000;
 /// Greatest curvature: beyond it a robot hardly turns in the time of a measurement.
 const MAX_CURVATURE: f64 = 1000.0;
-/// Time in which a robot settles and comes to its speed, and time of a measurement, s.
-const TIMES: [f64; 2] = [3.0, 6.0];
+/// Greatest slope of a hill, rad.
+const MAX_SLOPE: f64 = 0.5;
 
 /// A robot and what was measured with it.
 #[derive(Debug, Clone, Deserialize)]
@@ -46,6 +41,9 @@ pub struct Measured {
     /// Motions of a Mecanum robot sideways over those ahead.
     #[serde(default)]
     pub strafe: Vec<Strafe>,
+    /// Other quantities.
+    #[serde(default)]
+    pub figure: Vec<Figure>,
     /// Other simulators that were asked for a turn on the spot.
     #[serde(default)]
     pub other: Vec<Other>,
@@ -80,6 +78,63 @@ pub struct Strafe {
     pub full_power: bool,
 }
 
+/// A figure of a robot.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Figure {
+    /// Quantity.
+    pub what: Quantity,
+    /// Its value.
+    pub value: f64,
+    /// Slope of the hill for [`Quantity::Uphill`], rad.
+    #[serde(default)]
+    pub slope: f64,
+    /// Standard deviation.
+    pub spread: Option<f64>,
+    /// Difference that counts as agreement, as in [`Turn`].
+    pub within: Option<f64>,
+}
+
+/// Quantity of a [`Figure`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quantity {
+    /// Effective over geometric lx + ly of a Mecanum robot that turns on the spot.
+    #[serde(rename = "lx-ly")]
+    Sum,
+    /// Deceleration of a Mecanum robot without power sideways less that ahead, m/s².
+    Coasting,
+    /// Highest step that the robot climbs, m: a limit that its maker names.
+    Step,
+    /// Steepest slope that the robot climbs, rad: a limit that its maker names.
+    Slope,
+    /// Way up a hill over the way on level ground, in the same time.
+    Uphill,
+}
+
+impl Quantity {
+    /// Returns its name for the table.
+    fn name(self, slope: f64) -> String {
+        match self {
+            Self::Sum => "effective over geometric lx + ly".to_owned(),
+            Self::Coasting => "coasting deceleration, sideways less ahead (m/s²)".to_owned(),
+            Self::Step => "highest step (m), at least".to_owned(),
+            Self::Slope => "steepest slope (rad), at least".to_owned(),
+            Self::Uphill => format!("way up {slope:.3} rad over the way on level ground"),
+        }
+    }
+
+    /// True if the robot has to reach the number, and may surpass it.
+    fn is_limit(self) -> bool {
+        matches!(self, Self::Step | Self::Slope)
+    }
+
+    /// True if only Mecanum robots have it.
+    fn needs_rollers(self) -> bool {
+        matches!(self, Self::Sum | Self::Coasting)
+    }
+}
+
 /// Another simulator.
 #[derive(Debug, Clone, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -107,12 +162,14 @@ pub struct Row {
     pub ours: f64,
     /// Curvature of a turn.
     pub curvature: Option<f64>,
+    /// True if the real number is a limit that the simulation has to reach.
+    pub is_limit: bool,
 }
 
 impl Row {
     /// True if the simulation agrees with the real robot.
     pub fn agrees(&self) -> bool {
-        (self.ours - self.real).abs() <= self.within
+        (self.ours - self.real).abs() <= self.within || (self.is_limit && self.ours >= self.real)
     }
 
     /// Returns the difference to the real robot, percent.
@@ -127,7 +184,7 @@ impl Row {
 
     fn new(what: String, real: f64, [spread, within]: [Option<f64>; 2], ours: f64) -> Self {
         let within = spread.unwrap_or(0.0).max(within.unwrap_or(0.0) * real);
-        Self { what, real, spread, within, ours, curvature: None }
+        Self { what, real, spread, within, ours, curvature: None, is_limit: false }
     }
 }
 
@@ -158,18 +215,24 @@ impl Measured {
     pub fn read(file: &str, text: &str) -> Result<Self, RealError> {
         let refused = |reason: String| RealError { file: file.to_owned(), reason };
         let measured: Self = toml::from_str(text).map_err(|error| refused(error.to_string()))?;
-        let count = measured.turn.len() + measured.strafe.len();
+        let count = measured.turn.len() + measured.strafe.len() + measured.figure.len();
         if count == 0 || count > MAX_ROWS {
-            return Err(refused(format!("{count} of [[turn]] and [[strafe]]: expected 1 to {MAX_ROWS}")));
+            return Err(refused(format!("{count} of [[turn]], [[strafe]] and [[figure]]: expected 1 to {MAX_ROWS}")));
         }
-        if !measured.strafe.is_empty() && measured.robot.rollers.is_none() {
-            return Err(refused("[[strafe]] of a robot without `rollers`: expected a Mecanum robot".to_owned()));
+        let sideways = measured.figure.iter().find(|it| it.what.needs_rollers()).map(|it| it.what.name(0.0));
+        let sideways = sideways.or((!measured.strafe.is_empty()).then(|| "[[strafe]]".to_owned()));
+        if let Some(sideways) = sideways.filter(|_| measured.robot.rollers.is_none()) {
+            return Err(refused(format!("{sideways} of a robot without `rollers`: expected a Mecanum robot")));
+        }
+        if let Some(figure) = measured.figure.iter().find(|it| !(0.0..=MAX_SLOPE).contains(&it.slope)) {
+            return Err(refused(format!("`slope` is {}: expected 0 to {MAX_SLOPE} rad", figure.slope)));
         }
         if let Some(turn) = measured.turn.iter().find(|turn| !(0.0..=MAX_CURVATURE).contains(&turn.curvature)) {
             return Err(refused(format!("`curvature` is {}: expected 0 to {MAX_CURVATURE}", turn.curvature)));
         }
         let numbers = measured.turn.iter().map(|it| (it.chi, it.spread, it.within));
         let numbers = numbers.chain(measured.strafe.iter().map(|it| (it.ratio, it.spread, it.within)));
+        let numbers = numbers.chain(measured.figure.iter().map(|it| (it.value, it.spread, it.within)));
         let is_sound = |value: f64| value.is_finite() && value >= 0.0;
         for (value, spread, within) in numbers {
             if !(value > 0.0 && [Some(value), spread, within].into_iter().flatten().all(is_sound)) {
@@ -187,70 +250,4 @@ static FILES: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../experiments/real");
 /// Returns name and text of every file of the project, sorted by name.
 pub fn files() -> Vec<(String, &'static str)> {
     toml_files(&FILES)
-}
-
-/// Runs every measurement of a file.
-///
-/// # Errors
-/// When the world refuses the robot.
-pub fn run(measured: &Measured) -> Result<Vec<Row>, MotionError> {
-    let turn = |turn: &Turn| {
-        let what = match turn.curvature {
-            0.0 => "effective over geometric track, on the spot".to_owned(),
-            curvature => format!("effective over geometric track, curvature {curvature}"),
-        };
-        let ours = chi(measured, turn.curvature)?;
-        Ok(Row { curvature: Some(turn.curvature), ..Row::new(what, turn.chi, [turn.spread, turn.within], ours) })
-    };
-    let strafe = |strafe: &Strafe| {
-        let what = if strafe.full_power { "top speed sideways over ahead" } else { "way sideways over ahead" };
-        let ours = sideways(measured, strafe.full_power)?;
-        Ok(Row::new(what.to_owned(), strafe.ratio, [strafe.spread, strafe.within], ours))
-    };
-    measured.turn.iter().map(turn).chain(measured.strafe.iter().map(strafe)).collect()
-}
-
-/// Measures the way sideways over the way ahead of a Mecanum robot: for the angle that its wheels turned, or in equal times.
-fn sideways(measured: &Measured, full_power: bool) -> Result<f64, MotionError> {
-    let Dimensions { radius, motor, .. } = &measured.robot;
-    let speed = motor.filter(|_| full_power).map_or(SPEED / radius, |motor| motor.free_speed);
-    let way = |motion: Motion| {
-        let world = World::new(measured.robot.world(measured.floor), Options::default());
-        let mut course = Course::start(world, robot::CLASS, 1, motion, speed)?;
-        course.run(TIMES[1]);
-        let travel = course.travel().ok_or_else(|| MotionError::UnknownRobot(robot::CLASS.to_owned()))?;
-        let [ahead, aside, _] = travel.moved;
-        Ok(ahead.hypot(aside) / if full_power { 1.0 } else { travel.turned })
-    };
-    Ok(way(Motion::Right)? / way(Motion::Forward)?)
-}
-
-/// Measures the effective over the geometric track at a curvature.
-fn chi(measured: &Measured, curvature: f64) -> Result<f64, MotionError> {
-    let Dimensions { track, radius, .. } = measured.robot;
-    let mut world = World::new(measured.robot.world(measured.floor), Options::default());
-    let location = Vector3::zeros().into();
-    let mut problems = Vec::new();
-    let init = Init { class_name: robot::CLASS.to_owned(), location, ..Init::default() };
-    let id = world.init(&init, &mut problems).ok_or(MotionError::Refused(problems))?;
-    let fast = SPEED / radius;
-    let slow = fast * (curvature - 1.0) / (curvature + 1.0);
-    world.execute(Some(id), &drive(&[("Left", fast), ("Right", slow)]), &mut Vec::new());
-    let steps = |seconds: f64| (seconds / world.time_step()).round() as u64;
-    let [before, during] = TIMES.map(steps);
-    (0..before).for_each(|_| drop(world.step()));
-    let difference = |world: &World| {
-        let wheels = world.state(id).map(|(_, wheels)| wheels).unwrap_or_default();
-        wheels.first().zip(wheels.get(1)).map_or(0.0, |(left, right)| left.angle - right.angle)
-    };
-    let heading = |world: &World| world.state(id).map_or(0.0, |(body, _)| heading(&body));
-    let start = difference(&world);
-    let (mut turned, mut last) = (0.0, heading(&world));
-    for _ in 0..during {
-        world.step();
-        let now = heading(&world);
-        turned += wrapped(now - last);
-        last = now;
-    }
-    Ok((difference(&world) - start) * radius / (track * turned))
 }
