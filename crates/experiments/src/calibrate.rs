@@ -8,9 +8,11 @@
 //! radius and in what goes sideways. Its turn is linear in the radius over the effective track. So there is nothing to guess and nothing to
 //! iterate, and the covariances are those of linear least squares.
 
+mod coasting;
 mod file;
 mod fit;
 mod record;
+mod tyres;
 
 use base_motion::{Base, DiffDrive, Model};
 use kinematics::{Mecanum, Twist};
@@ -29,8 +31,8 @@ const LEAST_TURNED: f64 = 0.05;
 const LEAST_WINDOWS: usize = 8;
 /// Greatest half width of an interval over its number, above which the record does not tell the number.
 const MOST_UNCERTAIN: f64 = 0.1;
-/// Ends of the ranges of curvature in which the effective track is told apart.
-const CURVATURES: [f64; 7] = [0.0, 0.25, 0.75, 1.5, 3.0, 6.0, 12.0];
+/// Ends of the ranges of curvature in which the effective track is told apart. In wider curves a robot hardly turns.
+const CURVATURES: [f64; 8] = [0.0, 0.25, 0.75, 1.5, 3.0, 6.0, 12.0, 30.0];
 
 /// The numbers that a record tells.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -39,6 +41,8 @@ pub struct Calibration {
     pub numbers: Vec<Number>,
     /// Effective track by the curvature of the way, of robots that turn by a difference of their sides.
     pub curves: Vec<Curve>,
+    /// Half length and half width of the patch for which the stiffness of the tyres holds, m.
+    pub patch: Option<[f64; 2]>,
     /// Numbers that this record does not tell, and why.
     pub missing: Vec<String>,
     /// Windows that count.
@@ -83,6 +87,11 @@ const TRACK: &str = "effective track";
 const CENTRE: &str = "turning centre ahead of the wheels' middle";
 const ASIDE: &str = "way sideways over ahead";
 const SUM: &str = "lx + ly";
+const STIFFNESS: [&str; 2] = ["tyre stiffness along", "tyre stiffness across"];
+const RESISTANCE: &str = "rolling resistance, with what else brakes";
+const BEARINGS: &str = "friction of the rollers' bearings";
+/// Greatest half width of an interval of a coefficient that brakes over it.
+const MOST_UNCERTAIN_BRAKE: f64 = 0.5;
 
 /// A record that cannot be fitted.
 #[derive(Debug, thiserror::Error)]
@@ -129,11 +138,17 @@ struct Window {
     sum: f64,
 }
 
-/// Finds the numbers of a robot's wheels from a record.
+/// Finds the numbers of a robot's wheels from a record, and from one of runs that end without power, if there is one.
+/// `friction` is that between tyres and floor, for the stiffness of tyres.
 ///
 /// # Errors
 /// When the robot has no fitting wheels, the record has others, or tells nothing.
-pub fn calibrate(record: &Record, robot: &RobotDef) -> Result<Calibration, CalibrationError> {
+pub fn calibrate(
+    record: &Record,
+    robot: &RobotDef,
+    coasting: Option<&Record>,
+    friction: f64,
+) -> Result<Calibration, CalibrationError> {
     let base = unit_base(robot).ok_or_else(|| CalibrationError::Wheels(robot.class.clone()))?;
     let expected = robot.driven().count();
     if record.wheels() != expected {
@@ -168,9 +183,6 @@ pub fn calibrate(record: &Record, robot: &RobotDef) -> Result<Calibration, Calib
             found.add(ASIDE, "", quotient(way.number(1), radius), None, "the robot hardly goes sideways");
             let sum = wheel.map(|wheel| wheel.position[0].abs() + wheel.position[1].abs());
             found.add(SUM, "m", over_turn, sum, "the robot hardly turns");
-            found
-                .missing
-                .push("friction of the rollers' bearings: a record of poses and wheels has no torques".to_owned());
         }
         _ => {
             let on = |side: Side| robot.driven().filter(move |wheel| wheel.side == side);
@@ -180,15 +192,17 @@ pub fn calibrate(record: &Record, robot: &RobotDef) -> Result<Calibration, Calib
             found.add(TRACK, "m", over_turn, in_file, "the robot hardly turns");
             found.add_offset(CENTRE, "m", way.number(1), "the robot hardly turns");
             curves = by_curvature(&windows, radius[0]);
-            found.missing.push(
-                "stiffness of tyres: see the effective track by curvature, which a file of `usarsim experiment real` takes".to_owned(),
-            );
+            if is_sliding && robot.driven().all(|wheel| wheel.belt.is_none()) {
+                found.add_tyres(robot, friction, &curves);
+            }
         }
     }
-    found.missing.push("rolling resistance: a record of poses and wheels has no torques".to_owned());
+    found.add_brakes(robot, coasting);
     let Found { numbers, missing } = found;
     let residuals = [way.deviation, turn.deviation];
-    Ok(Calibration { numbers, curves, missing, windows: windows.len(), residuals, is_mirrored })
+    let has_tyres = numbers.iter().any(|it| it.name == STIFFNESS[0]);
+    let patch = wheel.filter(|_| has_tyres).map(|wheel| tyres::patch(wheel.tyre, wheel.radius, wheel.width));
+    Ok(Calibration { numbers, curves, patch, missing, windows: windows.len(), residuals, is_mirrored })
 }
 
 /// Numbers that were found, and those that were not.
@@ -205,6 +219,50 @@ impl Found {
             self.numbers.push(Number { name, unit, value, interval: [value - half, value + half], in_file });
         } else {
             self.missing.push(format!("{name}: {why}"));
+        }
+    }
+
+    /// Adds the stiffness of the tyres, as it is told by the effective track at several curvatures.
+    fn add_tyres(&mut self, robot: &RobotDef, friction: f64, curves: &[Curve]) {
+        match tyres::stiffness(robot, friction, curves) {
+            Ok(found) => {
+                let in_file = robot.driven().find_map(|wheel| wheel.tyre).map(|tyre| tyre.stiffness);
+                for (axis, [value, low, high]) in found.into_iter().enumerate() {
+                    let in_file = in_file.map(|it| it[axis]);
+                    self.numbers.push(Number {
+                        name: STIFFNESS[axis],
+                        unit: "",
+                        value,
+                        interval: [low, high],
+                        in_file,
+                    });
+                }
+            }
+            Err(why) => self.missing.push(format!("stiffness of the tyres: {why}")),
+        }
+    }
+
+    /// Adds what brakes a robot without power.
+    fn add_brakes(&mut self, robot: &RobotDef, record: Option<&Record>) {
+        let bearings = robot.driven().find_map(|wheel| Some(wheel.rollers.as_ref()?.bearing_friction));
+        let names = [RESISTANCE, BEARINGS].into_iter().take(if bearings.is_some() { 2 } else { 1 });
+        let Some(record) = record else {
+            let missing = |name| format!("{name}: expected runs that end without power (--coasting)");
+            return self.missing.extend(names.map(missing));
+        };
+        let (found, runs) = coasting::coasting(record, robot);
+        for (name, [value, half]) in names.zip(found) {
+            let in_file = bearings.filter(|_| name == BEARINGS);
+            if runs < coasting::LEAST_RUNS {
+                let expected = coasting::LEAST_RUNS;
+                self.missing.push(format!("{name}: {runs} runs that end without power: expected {expected} at least"));
+            } else if half.is_finite() && half <= MOST_UNCERTAIN_BRAKE * value.abs() {
+                self.numbers.push(Number { name, unit: "", value, interval: [value - half, value + half], in_file });
+            } else {
+                self.missing.push(format!(
+                    "{name}: these runs do not tell it; a Mecanum robot needs some ahead and some sideways"
+                ));
+            }
         }
     }
 
@@ -276,7 +334,7 @@ fn windows(record: &Record, base: &Base, mirror: f64) -> Vec<Window> {
 
 /// Finds the effective track in each range of curvatures that has enough windows.
 fn by_curvature(windows: &[Window], radius: f64) -> Vec<Curve> {
-    let ranges = CURVATURES.iter().zip(CURVATURES[1..].iter().chain([&f64::INFINITY]));
+    let ranges = CURVATURES.iter().zip(&CURVATURES[1..]);
     let curve = |(&low, &high): (&f64, &f64)| {
         let curvature = |it: &Window| (it.sum / it.about).abs();
         let own = || windows.iter().filter(|it| (low..high).contains(&curvature(it)));

@@ -5,12 +5,13 @@
 
 mod measure;
 pub mod report;
-mod robot;
+pub(crate) mod robot;
 
 use include_dir::{Dir, include_dir};
 use serde::{Deserialize, Serialize};
 
 use crate::thesis::toml_files;
+pub(crate) use measure::effective_track;
 pub use measure::run;
 pub use robot::{Dimensions, Floor};
 

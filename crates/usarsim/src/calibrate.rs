@@ -19,6 +19,7 @@ const MAX_TABLE: u64 = 512 << 20;
 #[command(
     after_help = "Examples:\n  usarsim calibrate run.mcap my-robot/robot.toml\n  usarsim calibrate drive.csv my-robot/robot.toml --out calibrated.toml\n  \
     usarsim calibrate run.mcap P3AT --robot 2 --json\n  \
+    usarsim calibrate drive.csv my-robot/robot.toml --coasting coasting.csv\n  \
     usarsim calibrate bag.mcap my-robot/robot.toml --poses /vrpn/robot/pose --wheels fl,fr,rl,rr\n\nA log is one of `usarsim serve --log`, a bag of ROS 2 (MCAP), or a table with the columns time (s), x, y (m), yaw (rad), and \
     wheel_angle_1 (rad) or wheel_speed_1 (rad/s) for each driven wheel, in the robot's order. What to drive, and what a log cannot tell: \
     docs/howto-calibrate.md. A bag of ROS 2 has the wheels in sensor_msgs/JointState."
@@ -30,6 +31,12 @@ pub(crate) struct Arguments {
     /// The robot: a robot.toml, or the name of a class.
     #[arg(value_name = "ROBOT.toml|CLASS")]
     robot: String,
+    /// Log of runs that end without power, for rolling resistance and the friction of the rollers' bearings.
+    #[arg(long, value_name = "LOG")]
+    coasting: Option<PathBuf>,
+    /// Friction between tyres and floor: the stiffness of tyres that is found is in proportion to it.
+    #[arg(long, value_name = "COEFFICIENT", default_value_t = 0.6, value_parser = friction)]
+    friction: f64,
     /// Only this robot of the log, by number, or in an .mcap by name.
     #[arg(long = "robot", value_name = "ROBOT")]
     only: Option<String>,
@@ -50,16 +57,23 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
+fn friction(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|it| (0.01..=10.0).contains(it)).ok_or_else(|| "expected 0.01 to 10".to_owned())
+}
+
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { log, robot, only, out, json, .. } = arguments;
     let bad = |error: &dyn std::fmt::Display| Failure::new(exit::BAD_CONFIGURATION, error);
     let def = scene_loader::robot(robot, &[]).map_err(|error| bad(&error))?;
-    let record = if is_bag(log)? { of_bag(arguments, &def)? } else { record(log, only.as_deref())? };
-    let found = calibrate(&record, &def).map_err(|error| bad(&format_args!("{}: {error}", log.display())))?;
+    let read = |log: &Path| if is_bag(log)? { of_bag(arguments, log, &def) } else { record(log, only.as_deref()) };
+    let (record, coasting) = (read(log)?, arguments.coasting.as_deref().map(read).transpose()?);
+    let found = calibrate(&record, &def, coasting.as_ref(), arguments.friction)
+        .map_err(|error| bad(&format_args!("{}: {error}", log.display())))?;
     let mut changed = Vec::new();
     if let Some(out) = out {
         let file = Path::new(robot);
-        keep_inputs(out, &[log.as_path(), file])?;
+        let logs = std::iter::once(log).chain(&arguments.coasting).map(PathBuf::as_path);
+        keep_inputs(out, &logs.chain([file]).collect::<Vec<_>>())?;
         if !file.is_file() {
             return Err(Failure::new(
                 exit::USAGE,
@@ -76,7 +90,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         print(serde_json::to_string_pretty(&found).unwrap_or_default());
         return Ok(());
     }
-    show(&found);
+    show(&found, arguments.friction);
     if let Some(out) = out {
         print(format_args!("{}: {}", out.display(), changed.join("; ")));
     }
@@ -111,8 +125,8 @@ fn is_bag(file: &Path) -> Result<bool, Failure> {
 }
 
 /// Reads a bag of ROS 2.
-fn of_bag(arguments: &Arguments, robot: &RobotDef) -> Result<Record, Failure> {
-    let Arguments { log: file, joints, poses, wheels, .. } = arguments;
+fn of_bag(arguments: &Arguments, file: &Path, robot: &RobotDef) -> Result<Record, Failure> {
+    let Arguments { joints, poses, wheels, .. } = arguments;
     let bag =
         bag::read(file, joints.as_deref(), poses.as_deref()).map_err(|error| Failure::new(exit::BAD_DATA, error))?;
     log::report_damage(file, bag.damage.as_deref());
@@ -136,8 +150,8 @@ fn of_bag(arguments: &Arguments, robot: &RobotDef) -> Result<Record, Failure> {
         .map_err(|error| Failure::new(exit::BAD_DATA, format_args!("{}: {error}", file.display())))
 }
 
-fn show(found: &Calibration) {
-    let Calibration { numbers, curves, missing, windows, residuals: [way, turn], is_mirrored } = found;
+fn show(found: &Calibration, friction: f64) {
+    let Calibration { numbers, curves, missing, windows, residuals: [way, turn], is_mirrored, patch } = found;
     print(format_args!(
         "{windows} windows of 1 s; the numbers leave {:.1} mm and {:.2} mrad of a window",
         way * 1e3,
@@ -149,6 +163,12 @@ fn show(found: &Calibration) {
     for Number { name, unit, value, interval: [low, high], in_file } in numbers {
         let file = in_file.map_or(String::new(), |it| format!("; in the file {it:.5}"));
         print(format_args!("{name}: {value:.5} {unit}  95 % from {low:.5} to {high:.5}{file}"));
+    }
+    if let Some([length, width]) = patch {
+        print(format_args!(
+            "that stiffness is for a patch of half length {length:.4} m and half width {width:.4} m, and a friction of {} (--friction)",
+            friction
+        ));
     }
     for curve in curves {
         print(format_args!(

@@ -1,9 +1,9 @@
 //! The robot's file with the numbers that were found.
 
 use scene::RobotDef;
-use toml_edit::{Array, DocumentMut, Item, Table, Value};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
 
-use super::{Calibration, RADIUS, SUM, TRACK};
+use super::{BEARINGS, Calibration, RADIUS, STIFFNESS, SUM, TRACK};
 
 /// Returns the text of a robot.toml with the radius that was found, and the wheels' places, if nothing slides that decides them otherwise. Other
 /// text and remarks stay. Also returns what was changed, for people.
@@ -27,6 +27,30 @@ pub fn write_robot(text: &str, robot: &RobotDef, found: &Calibration) -> Result<
             set(wheel);
         }
         changed.push(format!("radius = {}", round(radius.value)));
+    }
+    if let Some(bearings) = number(BEARINGS)
+        && let Some(rollers) = document.get_mut("rollers").and_then(Item::as_table_like_mut)
+    {
+        match rollers.get_mut("bearing_friction").and_then(Item::as_value_mut) {
+            Some(old) => replace(old, bearings.value),
+            None => drop(rollers.insert("bearing_friction", toml_edit::value(round(bearings.value)))),
+        }
+        changed.push(format!("bearing_friction = {}", round(bearings.value)));
+    }
+    if let [Some(along), Some(across)] = STIFFNESS.map(number)
+        && let Some(common) = document.get_mut("wheels").and_then(Item::as_table_like_mut)
+    {
+        let stiffness = Array::from_iter([along, across].map(|it| round(it.value)));
+        changed.push(format!("tyre.stiffness = {stiffness}"));
+        match common.get_mut("tyre").and_then(Item::as_table_like_mut) {
+            Some(tyre) => drop(tyre.insert("stiffness", toml_edit::value(stiffness))),
+            None => {
+                let mut tyre = InlineTable::new();
+                tyre.insert("stiffness", stiffness.into());
+                tyre.insert("patch", Array::from_iter(found.patch.unwrap_or_default().map(round)).into());
+                common.insert("tyre", toml_edit::value(tyre));
+            }
+        }
     }
     // A difference of sides without sliding, and Mecanum wheels, turn by where their wheels are.
     let scale = [TRACK, SUM].into_iter().find_map(|name| {

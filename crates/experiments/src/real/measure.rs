@@ -2,7 +2,7 @@
 
 use gamebots_proto::command::Init;
 use nalgebra::Vector3;
-use scene::{Shape, Solid, WorldDef, wrapped};
+use scene::{RobotDef, Shape, Side, Solid, WorldDef, wrapped};
 use sim_core::{Options, PawnId, World};
 
 use super::robot::{CLASS, LinearMotor};
@@ -32,7 +32,9 @@ pub fn run(measured: &Measured) -> Result<Vec<Row>, MotionError> {
             0.0 => "effective over geometric track, on the spot".to_owned(),
             curvature => format!("effective over geometric track, curvature {curvature}"),
         };
-        let ours = chi(measured, turn.curvature)?;
+        let Dimensions { radius, track, .. } = measured.robot;
+        let def = measured.robot.world(measured.floor);
+        let ours = effective_track(def, CLASS, radius, turn.curvature)? / track;
         Ok(Row { curvature: Some(turn.curvature), ..Row::new(what, turn.chi, [turn.spread, turn.within], ours) })
     };
     let strafe = |strafe: &Strafe| {
@@ -87,7 +89,7 @@ fn coasting(measured: &Measured) -> Result<f64, MotionError> {
     let free = LinearMotor { stall_torque: 1e-9, free_speed: 1.0 };
     let free = Measured { robot: Dimensions { motor: Some(free), ..measured.robot.clone() }, ..measured.clone() };
     let acceleration = |slope: [f64; 2]| -> Result<f64, MotionError> {
-        let mut run = Run::new(sloped(&free, slope), [slope[0], slope[1], 0.0])?;
+        let mut run = Run::new(sloped(&free, slope), CLASS, [slope[0], slope[1], 0.0])?;
         run.pass(1.0);
         let speed = |run: &Run| run.world.state(run.robot).map_or(0.0, |(body, _)| body.linear.norm());
         let before = speed(&run);
@@ -99,7 +101,7 @@ fn coasting(measured: &Measured) -> Result<f64, MotionError> {
 
 /// Measures how far a robot drives up a slope, rad, or on level ground, m.
 fn way(measured: &Measured, slope: f64) -> Result<f64, MotionError> {
-    let mut run = Run::new(sloped(measured, [0.0, slope]), [0.0, slope, 0.0])?;
+    let mut run = Run::new(sloped(measured, [0.0, slope]), CLASS, [0.0, slope, 0.0])?;
     run.pass(SETTLING);
     let start = run.place();
     run.drive(SPEED / measured.robot.radius);
@@ -119,7 +121,7 @@ fn climbs_step(measured: &Measured, step: f64) -> Result<bool, MotionError> {
         position: [from + size[0] / 2.0, 0.0, 0.5 - step],
         ..floor
     }));
-    let mut run = Run::new(def, [0.0; 3])?;
+    let mut run = Run::new(def, CLASS, [0.0; 3])?;
     run.pass(SETTLING);
     run.drive(SPEED / radius);
     // Twice the time that it needs without slip.
@@ -148,6 +150,35 @@ fn sloped(measured: &Measured, [roll, pitch]: [f64; 2]) -> WorldDef {
     def
 }
 
+/// Measures the effective track of a robot that turns by a difference of its sides, m: the difference of their wheel speeds over the yaw rate.
+pub(crate) fn effective_track(def: WorldDef, class: &str, radius: f64, curvature: f64) -> Result<f64, MotionError> {
+    let mut run = Run::new(def, class, [0.0; 3])?;
+    let fast = SPEED / radius;
+    let slow = fast * (curvature - 1.0) / (curvature + 1.0);
+    run.world.execute(Some(run.robot), &drive(&[("Left", fast), ("Right", slow)]), &mut Vec::new());
+    run.pass(TIMES[0]);
+    let difference = |run: &Run| {
+        let wheels = run.world.state(run.robot).map(|(_, wheels)| wheels).unwrap_or_default();
+        let sides = run.world.robot(run.robot).into_iter().flat_map(RobotDef::driven).map(|wheel| wheel.side);
+        let [mut left, mut right] = [[0.0; 2]; 2];
+        for (side, wheel) in sides.zip(&wheels) {
+            let [sum, count] = if side == Side::Left { &mut left } else { &mut right };
+            (*sum, *count) = (*sum + wheel.angle, *count + 1.0);
+        }
+        left[0] / left[1] - right[0] / right[1]
+    };
+    let heading = |run: &Run| run.world.state(run.robot).map_or(0.0, |(body, _)| heading(&body));
+    let start = difference(&run);
+    let (mut turned, mut last) = (0.0, heading(&run));
+    for _ in 0..run.steps(TIMES[1]) {
+        run.world.step();
+        let now = heading(&run);
+        turned += wrapped(now - last);
+        last = now;
+    }
+    Ok((difference(&run) - start) * radius / turned)
+}
+
 /// A robot in its world.
 struct Run {
     world: World,
@@ -155,10 +186,10 @@ struct Run {
 }
 
 impl Run {
-    fn new(def: WorldDef, rotation: [f64; 3]) -> Result<Self, MotionError> {
+    fn new(def: WorldDef, class: &str, rotation: [f64; 3]) -> Result<Self, MotionError> {
         let mut world = World::new(def, Options::default());
         let mut problems = Vec::new();
-        let init = Init { class_name: CLASS.to_owned(), rotation, ..Init::default() };
+        let init = Init { class_name: class.to_owned(), rotation, ..Init::default() };
         let robot = world.init(&init, &mut problems).ok_or(MotionError::Refused(problems))?;
         Ok(Self { world, robot })
     }
@@ -183,28 +214,4 @@ impl Run {
     fn place(&self) -> Vector3<f64> {
         self.world.state(self.robot).map_or_else(Vector3::zeros, |(body, _)| body.pose.translation.vector)
     }
-}
-
-/// Measures the effective over the geometric track at a curvature.
-fn chi(measured: &Measured, curvature: f64) -> Result<f64, MotionError> {
-    let Dimensions { track, radius, .. } = measured.robot;
-    let mut run = Run::new(measured.robot.world(measured.floor), [0.0; 3])?;
-    let fast = SPEED / radius;
-    let slow = fast * (curvature - 1.0) / (curvature + 1.0);
-    run.world.execute(Some(run.robot), &drive(&[("Left", fast), ("Right", slow)]), &mut Vec::new());
-    run.pass(TIMES[0]);
-    let difference = |run: &Run| {
-        let wheels = run.world.state(run.robot).map(|(_, wheels)| wheels).unwrap_or_default();
-        wheels.first().zip(wheels.get(1)).map_or(0.0, |(left, right)| left.angle - right.angle)
-    };
-    let heading = |run: &Run| run.world.state(run.robot).map_or(0.0, |(body, _)| heading(&body));
-    let start = difference(&run);
-    let (mut turned, mut last) = (0.0, heading(&run));
-    for _ in 0..run.steps(TIMES[1]) {
-        run.world.step();
-        let now = heading(&run);
-        turned += wrapped(now - last);
-        last = now;
-    }
-    Ok((difference(&run) - start) * radius / (track * turned))
 }
