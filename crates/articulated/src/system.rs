@@ -155,10 +155,12 @@ pub fn step(
         }
     }
     bodies.iter_mut().for_each(|body| body.prepare(time_step, &mut workspace.inertia));
-    let (mut work, mut passes) = (0, 0);
+    let (mut total, mut passes) = (Outcome::default(), 0);
     loop {
         let outcome = workspace.solve(bodies, contacts, joints);
-        work += outcome.work;
+        total.sweeps += outcome.sweeps;
+        total.newton_steps += outcome.newton_steps;
+        total.work += outcome.work;
         passes += 1;
         let rows = workspace.impulses.as_slice();
         let mut next = 0;
@@ -180,7 +182,7 @@ pub fn step(
         let is_limited = workspace.limited.len() == before;
         if is_limited || bodies.len() > 1 && passes == MAX_PASSES {
             bodies.iter_mut().for_each(|body| std::mem::swap(&mut body.velocity, &mut body.free));
-            return Outcome { work, is_settled: outcome.is_settled && is_limited, ..outcome };
+            return Outcome { is_settled: outcome.is_settled && is_limited, ..total };
         }
         bodies.iter_mut().for_each(|body| body.prepare(time_step, &mut workspace.inertia));
     }

@@ -5,7 +5,7 @@ use gamebots_proto::{Command, Problem};
 use kinematics::{FiniteRollers, Twist};
 use nalgebra::{UnitQuaternion, Vector3};
 use scene::{RobotDef, Steering, wrapped};
-use sim_core::{BodyState, PawnId, WheelState, World};
+use sim_core::{BodyState, PawnId, SolverEffort, WheelState, World};
 
 use crate::reference::Reference;
 
@@ -292,9 +292,9 @@ impl Course {
         self.world.digest()
     }
 
-    /// See [`World::unsettled_steps`].
-    pub fn unsettled_steps(&self) -> u64 {
-        self.world.unsettled_steps()
+    /// See [`World::solver_effort`].
+    pub fn solver_effort(&self) -> SolverEffort {
+        self.world.solver_effort()
     }
 
     /// Returns the travel since the start of the robot with the largest deviation.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use page_protocol::{Actor, Control, Fit, Wanted};
 use scene::Standings;
+use sim_core::SolverEffort;
 use tokio::sync::oneshot;
 
 use crate::actors::Actors;
@@ -39,8 +40,8 @@ pub struct Health {
     pub steps: u64,
     /// Real time that they took, s.
     pub step_seconds: f64,
-    /// Steps of this world whose contacts did not converge.
-    pub unsettled_steps: u64,
+    /// Effort of the contact solver in this world.
+    pub solver: SolverEffort,
     /// Number of robots.
     pub robots: usize,
     /// Number of clients.

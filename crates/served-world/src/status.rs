@@ -21,7 +21,7 @@ impl<A: Audience> ServedWorld<A> {
             paused: timing.paused,
             steps: performance.steps,
             step_seconds: performance.took.as_secs_f64(),
-            unsettled_steps: world.unsettled_steps(),
+            solver: world.solver_effort(),
             robots: world.robots().count(),
             clients: circle.clients.len(),
             dropped_lines: performance.dropped + circle.clients.values().map(Client::dropped).sum::<u64>(),

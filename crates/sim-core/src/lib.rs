@@ -66,7 +66,7 @@ mod world;
 pub use compiled::CompiledScene;
 pub use drive::Order;
 pub use flight::Flight;
-pub use physics::Fault;
+pub use physics::{Fault, SolverEffort};
 pub use scene::{BodyState, ObjectId, Options, PawnId, TIME_STEP, WheelState};
 pub use threads::{OneThread, Threads, in_parts};
 pub use world::{

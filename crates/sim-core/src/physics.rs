@@ -6,6 +6,7 @@ mod compile;
 mod contact;
 mod convert;
 mod conveyor;
+mod effort;
 mod fault;
 mod identity;
 mod mechanism;
@@ -28,6 +29,7 @@ use std::sync::Arc;
 use rapier3d::prelude::*;
 
 pub(crate) use compile::{CompiledMap, CompiledRobot, Held};
+pub use effort::SolverEffort;
 pub use fault::Fault;
 pub(crate) use identity::Identity;
 pub(crate) use objects::{Lifted, extents};
@@ -64,8 +66,8 @@ pub(crate) struct Physics {
     /// True if a robot came or left since the engine's last step, so the engine has to step to notice.
     is_changed: bool,
     landing: Landing,
-    /// Number of systems that did not converge.
-    unsettled: u64,
+    /// Effort of all steps.
+    effort: SolverEffort,
     /// Multiplications of the last step's systems of several bodies.
     work: u64,
     /// Disabled colliders that occupy the slots of removed ones until the next step.
@@ -85,7 +87,7 @@ impl Clone for Physics {
             robots_of_engine,
             is_changed,
             landing,
-            unsettled,
+            effort,
             work,
             placeholders,
         } = self;
@@ -99,7 +101,7 @@ impl Clone for Physics {
             robots_of_engine: *robots_of_engine,
             is_changed: *is_changed,
             landing: landing.clone(),
-            unsettled: *unsettled,
+            effort: *effort,
             work: *work,
             placeholders: placeholders.clone(),
         }
@@ -159,7 +161,7 @@ impl Physics {
             robots_of_engine: 0,
             is_changed: false,
             landing: Landing::default(),
-            unsettled: 0,
+            effort: SolverEffort::default(),
             work: 0,
             placeholders: Vec::new(),
         }
@@ -191,9 +193,9 @@ impl Physics {
         self.world.step();
     }
 
-    /// Returns the number of systems of robots, over all steps, whose solver did not converge.
-    pub(crate) fn unsettled_steps(&self) -> u64 {
-        self.unsettled
+    /// Returns the effort of the solver of robots over all steps.
+    pub(crate) fn effort(&self) -> SolverEffort {
+        self.effort
     }
 
     /// Returns the multiplications that systems of several bodies took in the last step, roughly.

@@ -26,7 +26,7 @@ use gamebots_proto::{Problem, shown};
 
 use crate::CompiledScene;
 use crate::drive::Order;
-use crate::physics::{CompiledRobot, Fault, Identity, Physics, Placement};
+use crate::physics::{CompiledRobot, Fault, Identity, Physics, Placement, SolverEffort};
 use crate::sensor::floats;
 use crate::threads::{OneThread, Threads, in_parts};
 use actors::EngineNames;
@@ -603,7 +603,12 @@ impl World {
     /// Returns the number of systems, over all steps, whose contact solver did not converge. A system is a robot, or several that touch each
     /// other. Its step uses the solver's answer anyway. See [`friction::Outcome::is_settled`].
     pub fn unsettled_steps(&self) -> u64 {
-        self.physics.unsettled_steps()
+        self.physics.effort().unsettled
+    }
+
+    /// Returns the effort of the contact solver over all steps. A saved world goes on with the number of its unsettled systems alone.
+    pub fn solver_effort(&self) -> SolverEffort {
+        self.physics.effort()
     }
 
     /// Returns the approximate number of multiplications for touching bodies in the last step. Its limit is a constant plus a share for each

@@ -8,7 +8,7 @@ use experiments::{Course, Crowd, Moment, Motion};
 use scene::{DriveModel, MapDef, RobotDef, WorldDef};
 use scene_loader::Override;
 use serde_json::json;
-use sim_core::{Options, World};
+use sim_core::{Options, SolverEffort, World};
 use thread_pool::ThreadPool;
 
 use crate::output::{definition_files, keep_inputs};
@@ -90,7 +90,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let def = WorldDef { map, robots: [(class.clone(), robot)].into(), ..WorldDef::default() };
     let threads = ThreadPool::new(arguments.threads as usize).map_err(|error| Failure::new(exit::FAILURE, error))?;
     let options = Options { time_step: dt, ..Options::default() };
-    let (mut simulated, mut wall, mut worst, mut digest, mut unsettled) = (0.0, 0.0, 0.0f64, 0u64, 0);
+    let (mut simulated, mut wall, mut worst, mut digest) = (0.0, 0.0, 0.0f64, 0u64);
+    let mut effort = SolverEffort::default();
     let (mut motions, mut trace) = (serde_json::Map::new(), "motion,time,phase,height\n".to_owned());
     for &motion in motions_of_robot {
         let world = World::new(def.clone(), options).on_threads(Arc::new(threads.clone()));
@@ -101,7 +102,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         wall += start.elapsed().as_secs_f64();
         simulated += seconds;
         digest = digest.rotate_left(1) ^ course.digest();
-        unsettled += course.unsettled_steps();
+        effort += course.solver_effort();
         if arguments.trace.is_some() {
             for Moment { time, phase, height } in course.moments() {
                 trace += &format!("{},{time:.4},{phase:.6},{height:.8}\n", motion.name());
@@ -128,7 +129,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             "dt": dt,
             "robots": robots,
             "threads": threads.threads(),
-            "unsettled_steps": unsettled,
+            "solver": effort,
+            "unsettled_steps": effort.unsettled,
             "digest": format!("{digest:016x}"),
             "map": map_name,
             "robot": class,
@@ -180,7 +182,7 @@ fn run_crowd(arguments: &Arguments, definitions: Vec<RobotDef>, map: MapDef) -> 
         }
     });
     let (factor, each) = (seconds / wall, 1e6 * wall / (steps as f64 * f64::from(robots)));
-    let (unsettled, names) = (crowd.world().unsettled_steps(), classes.join(","));
+    let (effort, names) = (crowd.world().solver_effort(), classes.join(","));
     if json {
         print(json!({
             "real_time_factor": factor,
@@ -191,7 +193,8 @@ fn run_crowd(arguments: &Arguments, definitions: Vec<RobotDef>, map: MapDef) -> 
             "robots_left": crowd.world().robots().count(),
             "threads": threads.threads(),
             "steps": steps,
-            "unsettled_steps": unsettled,
+            "solver": effort,
+            "unsettled_steps": effort.unsettled,
             "digest": format!("{:016x}", crowd.world().digest()),
             "map": map_name,
             "robot": names,
@@ -199,9 +202,12 @@ fn run_crowd(arguments: &Arguments, definitions: Vec<RobotDef>, map: MapDef) -> 
     } else {
         print(format_args!(
             "{robots} {names} drive to one place, steps of {} ms: {factor:.2} times real time, {each:.1} us a robot and step, \
-             the longest step {:.1} ms, {unsettled} of {steps} systems not settled",
+             the longest step {:.1} ms; {} systems, {:.1} Newton steps each, {} not settled",
             1e3 * dt,
-            1e3 * worst
+            1e3 * worst,
+            effort.systems,
+            effort.newton_steps as f64 / effort.systems.max(1) as f64,
+            effort.unsettled
         ));
     }
     Ok(())

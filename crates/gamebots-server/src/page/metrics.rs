@@ -74,8 +74,15 @@ fn text(health: &Health) -> String {
         gauge(
             "usarsim_unsettled_steps",
             "Steps of the present world whose contacts did not converge.",
-            health.unsettled_steps as f64,
+            health.solver.unsettled as f64,
         ),
+        gauge(
+            "usarsim_solver_systems",
+            "Robots, or groups that touch, solved in the present world.",
+            health.solver.systems as f64,
+        ),
+        gauge("usarsim_solver_sweeps", "Sweeps over their contacts.", health.solver.sweeps as f64),
+        gauge("usarsim_solver_newton_steps", "Steps of Newton's method for them.", health.solver.newton_steps as f64),
         gauge("usarsim_robots", "Robots in the world.", health.robots as f64),
         gauge("usarsim_clients", "Connected controllers.", health.clients as f64),
         counter(

@@ -151,7 +151,7 @@ impl Physics {
     /// # Errors
     /// If a state does not fit its object, with the object's id.
     pub(crate) fn load_objects(&mut self, saved: &[SavedObject], unsettled: u64) -> Result<(), ObjectId> {
-        self.unsettled = unsettled;
+        self.effort.unsettled = unsettled;
         let removed: Vec<ObjectId> = self.objects.iter().map(MovableObject::id).collect();
         for id in removed.into_iter().filter(|id| !saved.iter().any(|saved| saved.id == *id)) {
             self.remove_object(id);

@@ -181,9 +181,9 @@ impl Physics {
             ..
         } = self;
         let input = StepInput { materials, conveyors, robots_of_engine, is_changed, threads };
-        let cost = articulated::solve(world, input, robots.collect(), objects);
-        self.unsettled += cost.unsettled;
-        self.work = cost.work;
+        let effort = articulated::solve(world, input, robots.collect(), objects);
+        self.effort += effort;
+        self.work = effort.multiplications;
     }
 
     /// Tells the engine the poses of the robots in reduced coordinates at the end of its coming step.

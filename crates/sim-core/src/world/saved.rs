@@ -235,7 +235,7 @@ impl World {
             single_view: self.single_view,
             tags: Some(self.physics.tags.clone()),
             conveyors: self.physics.conveyor_factors().collect(),
-            unsettled: self.physics.unsettled_steps(),
+            unsettled: self.unsettled_steps(),
             objects: self.physics.save_objects(),
             robots: self.robots.values().map(save).collect::<Result<_, _>>()?,
         })

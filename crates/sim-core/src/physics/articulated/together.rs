@@ -11,6 +11,7 @@ use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
 
 use super::super::convert;
+use super::super::effort::SolverEffort;
 use super::super::identity::BodyId;
 use super::ArticulatedRobot;
 use super::finding::{CandidateContact, Counterpart, OfEngine, touch_each_other, touch_engine};
@@ -45,18 +46,9 @@ thread_local! {
 /// The results of systems beside the motion of their bodies.
 #[derive(Default)]
 struct Tally {
-    cost: Cost,
+    effort: SolverEffort,
     /// Impulses on objects that need to know them.
     pushes: Vec<Push>,
-}
-
-/// The cost of a step's systems.
-#[derive(Debug, Clone, Copy, Default)]
-pub(in super::super) struct Cost {
-    /// Systems that did not converge.
-    pub(in super::super) unsettled: u64,
-    /// Multiplications of systems of several bodies, roughly.
-    pub(in super::super) work: u64,
 }
 
 /// An impulse on an object, N s, and the body that gave it.
@@ -79,12 +71,12 @@ pub(in super::super) fn solve<'a>(
     input: StepInput,
     mut robots: Vec<(&'a mut ArticulatedRobot, Option<&'a Flight>)>,
     objects: &'a mut [MovableObject],
-) -> Cost {
+) -> SolverEffort {
     let StepInput { materials, robots_of_engine, is_changed, threads, .. } = input;
     // A robot that left may have carried an object.
     let is_still = robots.is_empty() && robots_of_engine == 0 && !is_changed;
     if is_still && objects.iter().all(MovableObject::is_asleep) {
-        return Cost::default();
+        return SolverEffort::default();
     }
     let time_step = world.integration_parameters.dt;
     let gravity = convert::from_vector(world.gravity);
@@ -143,11 +135,10 @@ pub(in super::super) fn solve<'a>(
             }
         }
     });
-    let (mut pushes, mut cost) = (Vec::new(), Cost::default());
+    let (mut pushes, mut effort) = (Vec::new(), SolverEffort::default());
     for (_, tally) in parts {
         pushes.extend(tally.pushes);
-        cost.unsettled += tally.cost.unsettled;
-        cost.work += tally.cost.work;
+        effort += tally.effort;
     }
     look_around(members.iter_mut().filter_map(Member::robot), seen, input);
     for OfEngine { links, reactions, .. } in of_engine {
@@ -157,7 +148,7 @@ pub(in super::super) fn solve<'a>(
     }
     pushes.sort_by_key(|push| push.object);
     rest(objects, &is_asleep[robot_count..], &pushes, gravity.norm(), time_step);
-    cost
+    effort
 }
 
 /// Finds contacts of bodies that moved since the last search.
@@ -337,7 +328,7 @@ impl Step<'_> {
     /// Advances a group by one step, and records its contacts.
     fn solve(self, group: &mut [Member], scratch: &mut Scratch, tally: &mut Tally) {
         let Scratch { contacts, joints, workspace } = scratch;
-        let Tally { cost, pushes } = tally;
+        let Tally { effort, pushes } = tally;
         contacts.clear();
         joints.clear();
         let is_alone = group.len() == 1;
@@ -365,8 +356,13 @@ impl Step<'_> {
             let mut bodies: Vec<&mut Body> = group.iter_mut().map(Member::body_mut).collect();
             articulated::step(&mut bodies, contacts, joints, self.time_step, workspace)
         };
-        cost.unsettled += u64::from(!outcome.is_settled);
-        cost.work += outcome.work;
+        *effort += SolverEffort {
+            systems: 1,
+            sweeps: outcome.sweeps as u64,
+            newton_steps: outcome.newton_steps as u64,
+            multiplications: outcome.work,
+            unsettled: u64::from(!outcome.is_settled),
+        };
         let (mut contacts, mut joints) = (contacts.as_slice(), joints.as_slice());
         for robot in group.iter_mut().filter_map(Member::robot) {
             robot.forget();
