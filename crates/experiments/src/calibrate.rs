@@ -6,7 +6,7 @@
 //!
 //! In each window the way of the robot is a sum of what its wheels turned, step by step, in the direction that it had: linear in the wheel's
 //! radius and in what goes sideways. Its turn is linear in the radius over the effective track. So there is nothing to guess and nothing to
-//! iterate, and the covariances are those of linear least squares.
+//! iterate, and the covariances are those of linear least squares. Only the stiffness of tyres needs a search (`tyres.rs`).
 
 mod coasting;
 mod file;

@@ -5,7 +5,7 @@
 
 mod measure;
 pub mod report;
-pub(crate) mod robot;
+mod robot;
 
 use include_dir::{Dir, include_dir};
 use serde::{Deserialize, Serialize};
@@ -21,6 +21,9 @@ const MAX_ROWS: usize = 1000;
 const MAX_CURVATURE: f64 = 1000.0;
 /// Greatest slope of a hill, rad.
 const MAX_SLOPE: f64 = 0.5;
+
+/// Greatest friction of the bearings of a robot that coasts. With more it does not roll down the slope of the measurement.
+const MAX_BEARINGS: f64 = 0.1;
 
 /// A robot and what was measured with it.
 #[derive(Debug, Clone, Deserialize)]
@@ -224,6 +227,10 @@ impl Measured {
         let sideways = sideways.or((!measured.strafe.is_empty()).then(|| "[[strafe]]".to_owned()));
         if let Some(sideways) = sideways.filter(|_| measured.robot.rollers.is_none()) {
             return Err(refused(format!("{sideways} of a robot without `rollers`: expected a Mecanum robot")));
+        }
+        let bearings = measured.robot.rollers.map_or(0.0, |rollers| rollers.bearing_friction);
+        if bearings > MAX_BEARINGS && measured.figure.iter().any(|it| it.what == Quantity::Coasting) {
+            return Err(refused(format!("`bearing_friction` is {bearings}: expected {MAX_BEARINGS} at most")));
         }
         if let Some(figure) = measured.figure.iter().find(|it| !(0.0..=MAX_SLOPE).contains(&it.slope)) {
             return Err(refused(format!("`slope` is {}: expected 0 to {MAX_SLOPE} rad", figure.slope)));

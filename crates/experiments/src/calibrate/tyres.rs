@@ -5,10 +5,10 @@
 //! Gauss and Newton over the logarithms of the stiffness along and across.
 
 use nalgebra::{Matrix3, Vector3};
-use scene::{DriveModel, MapDef, Material, RobotDef, Shape, Solid, Tyre, WorldDef};
+use scene::{DriveModel, RobotDef, Tyre, WorldDef};
 
 use super::Curve;
-use crate::real::effective_track;
+use crate::real::{Floor, effective_track};
 
 /// Fewest curvatures.
 const LEAST_CURVES: usize = 4;
@@ -92,14 +92,7 @@ pub(super) fn patch(tyre: Option<Tyre>, radius: f64, width: f64) -> [f64; 2] {
 
 /// Returns a level floor and the robot with tyres.
 fn world(robot: &RobotDef, friction: f64, stiffness: [f64; 2]) -> WorldDef {
-    let floor = Solid {
-        name: "floor".to_owned(),
-        shape: Shape::HalfSpace,
-        position: [0.0; 3],
-        rotation: [0.0; 3],
-        material: Material { name: "floor".to_owned(), friction, ..Material::default() },
-    };
-    let map = MapDef { name: "floor".to_owned(), gravity: 9.81, solids: vec![floor], ..MapDef::default() };
+    let map = Floor { friction, rolling_resistance: 0.0 }.map();
     let mut robot = robot.clone();
     robot.set_drive_model(Some(DriveModel::Articulated));
     for link in &mut robot.links {

@@ -77,6 +77,23 @@ pub struct Floor {
     pub rolling_resistance: f64,
 }
 
+impl Floor {
+    /// Returns a level map of it.
+    pub(crate) fn map(self) -> MapDef {
+        let ground = solid("floor", Shape::HalfSpace, self.material("floor", self.rolling_resistance));
+        MapDef { name: "floor".to_owned(), gravity: 9.81, solids: vec![ground], ..MapDef::default() }
+    }
+
+    /// Returns a material with its friction: a pair has the mean of both. Of rolling resistances a pair has the sum.
+    fn material(self, name: &str, rolling_resistance: f64) -> Material {
+        Material { name: name.to_owned(), friction: self.friction, rolling_resistance, ..Material::default() }
+    }
+}
+
+fn solid(name: &str, shape: Shape, material: Material) -> Solid {
+    Solid { name: name.to_owned(), shape, position: [0.0; 3], rotation: [0.0; 3], material }
+}
+
 impl Dimensions {
     /// Checks what the world of the robot is computed from. The world has checks of its own.
     pub(super) fn check(&self) -> Result<(), String> {
@@ -101,32 +118,13 @@ impl Dimensions {
 
     /// Returns the world of the robot on a level floor.
     pub(super) fn world(&self, floor: Floor) -> WorldDef {
-        // A pair has the mean of both frictions, and the sum of both resistances.
-        let friction = floor.friction;
-        let material = |name: &str, rolling_resistance: f64| Material {
-            name: name.to_owned(),
-            friction,
-            rolling_resistance,
-            ..Material::default()
-        };
-        let solid = |name: &str, shape: Shape, material: Material| Solid {
-            name: name.to_owned(),
-            shape,
-            position: [0.0; 3],
-            rotation: [0.0; 3],
-            material,
-        };
-        let ground = solid("floor", Shape::HalfSpace, material("floor", floor.rolling_resistance));
-        let map = MapDef { name: "floor".to_owned(), gravity: 9.81, solids: vec![ground], ..MapDef::default() };
-        let robots = [(CLASS.to_owned(), self.robot(&solid, &material))].into();
+        let map = floor.map();
+        let material = |name: &str, rolling_resistance: f64| floor.material(name, rolling_resistance);
+        let robots = [(CLASS.to_owned(), self.robot(&material))].into();
         WorldDef { map, robots, ..WorldDef::default() }
     }
 
-    fn robot(
-        &self,
-        solid: &dyn Fn(&str, Shape, Material) -> Solid,
-        material: &dyn Fn(&str, f64) -> Material,
-    ) -> RobotDef {
+    fn robot(&self, material: &dyn Fn(&str, f64) -> Material) -> RobotDef {
         let &Self { mass, wheelbase, track, radius, width, centre, height, .. } = self;
         let wheel_mass = mass * WHEEL_SHARE;
         let ways: &[f64] = if wheelbase > 0.0 { &[1.0, -1.0] } else { &[0.0] };

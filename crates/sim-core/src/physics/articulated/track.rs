@@ -40,7 +40,7 @@ impl Track {
     }
 
     /// Adds the contacts with a shape, each at a pose, within a distance, m, in world axes. Of a fixed shape other than a plane it adds the
-    /// corners of the areas of contact, for [`ArticulatedRobot::join_areas`].
+    /// corners of the areas of contact, which `area.rs` replaces.
     pub(super) fn touch(
         &self,
         own: &Surface,
