@@ -4,15 +4,10 @@
 //! where they lie under them. Elsewhere, as on the edges of a stair, each area gets contacts along the run.
 
 use nalgebra::Vector3;
-use rapier3d::math::{Pose as EnginePose, Vector};
 use scene::{Belt, LOADED, convex_hull};
 
-use super::super::convert;
-use super::ArticulatedRobot;
-use super::finding::{CandidateContact, MAX_PREDICTION};
-use super::form::Form;
-use super::track::Track;
-use super::wheel::{LEANING, SIDE, Touch};
+use super::finding::CandidateContact;
+use super::wheel::{LEANING, Plane, SIDE, Touch};
 
 /// Length of an area along the run below which it has one contact, m.
 const SHORT: f64 = 1e-3;
@@ -25,47 +20,40 @@ const MAX_PLANES: usize = 32;
 /// Height above the plane of an area that counts as none, m.
 const NEAR: f64 = 1e-5;
 
-/// Areas of contact on one plane, each given by its corners, the deepest first.
-type Areas = Vec<Vec<CandidateContact>>;
+/// Areas of contact, each given by its corners. Those on one plane have the deepest first.
+pub(super) type Areas = Vec<Vec<CandidateContact>>;
 
-impl ArticulatedRobot {
-    /// Replaces the corners of the areas on which each track lies by its contacts.
-    pub(super) fn join_areas(&self, found: &mut Vec<CandidateContact>) {
-        for (number, (surface, at)) in self.compiled.surfaces.iter().zip(&self.placed).enumerate() {
-            let Form::Track(track) = surface.form else { continue };
-            // Contacts with planes have their places already.
-            let is_corner = |it: &mut CandidateContact| it.key.surface == number && it.touch.area.is_some();
-            let corners: Vec<CandidateContact> = found.extract_if(.., is_corner).collect();
-            let is_same = |one: &CandidateContact, other: &CandidateContact| {
-                (one.key.other, one.touch.area) == (other.key.other, other.touch.area)
-            };
-            let areas = corners.chunk_by(is_same).map(<[CandidateContact]>::to_vec).collect();
-            let prediction = at.prediction.min(MAX_PREDICTION);
-            let track = &self.compiled.tracks[track];
-            let before = found.len();
-            for mut contact in planes(areas).iter().flat_map(|areas| track.on_areas(&at.pose, prediction, areas)) {
-                contact.key.number = found[before..].iter().filter(|it| it.key.other == contact.key.other).count();
-                found.push(contact);
-            }
-        }
-    }
+/// A belt over areas of contact.
+pub(super) struct Belted<'a> {
+    /// Direction of its axles.
+    pub(super) axle: Vector3<f64>,
+    /// Width of the belt, m.
+    pub(super) width: f64,
+    /// Distance within which contacts count, m.
+    pub(super) prediction: f64,
+    /// Returns the contacts of its lowest run with a plane.
+    pub(super) on_plane: &'a dyn Fn(Plane) -> Vec<Touch>,
 }
 
-impl Track {
+impl Belted<'_> {
+    /// Returns the contacts of areas, each given by its corners.
+    pub(super) fn contacts(&self, areas: Areas) -> Vec<CandidateContact> {
+        planes(areas).iter().flat_map(|areas| self.on_one_plane(areas)).collect()
+    }
+
     /// Returns the contacts of areas on one plane.
-    fn on_areas(&self, at: &EnginePose, prediction: f64, areas: &Areas) -> Vec<CandidateContact> {
-        let axle = convert::from_vector(at.rotation * Vector::Y);
+    fn on_one_plane(&self, areas: &Areas) -> Vec<CandidateContact> {
         let deepest = areas[0][0].touch;
-        let is_near = |touch: &Touch| touch.gap <= prediction;
-        let Some(run) = Run::new(&deepest, &axle) else {
+        let is_near = |touch: &Touch| touch.gap <= self.prediction;
+        let Some(run) = Run::new(&deepest, &self.axle) else {
             return areas.iter().flatten().filter(|corner| is_near(&corner.touch)).cloned().collect();
         };
         let stretches = run.stretches(areas, |touch| is_on_plane(&deepest, touch));
         let hold = |touch: Touch| {
-            let stretch = stretches.iter().find(|it| it.holds(&run, &touch, 2.0 * self.half_width))?;
+            let stretch = stretches.iter().find(|it| it.holds(&run, &touch, self.width))?;
             Some(CandidateContact { touch, ..stretch.base.clone() })
         };
-        let discs = self.on_plane(at, &axle, (run.normal, place(&deepest)), prediction);
+        let discs = (self.on_plane)((run.normal, place(&deepest)));
         if stretches.iter().any(|it| it.length() >= SHORT)
             && let Some(held) = discs.into_iter().map(hold).collect()
         {

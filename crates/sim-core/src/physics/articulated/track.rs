@@ -9,20 +9,19 @@ use rapier3d::math::{Pose as EnginePose, Vector};
 use scene::{Belt, Disc, MountedWheel};
 
 use super::super::convert;
-use super::area::Run;
-use super::form::Surface;
+use super::ArticulatedRobot;
+use super::area::{Belted, Run};
+use super::finding::{CandidateContact, MAX_PREDICTION};
+use super::form::{Form, Surface};
 use super::shape_contact::{Target, on_faces};
-use super::wheel::{LEANING, SIDE, Touch};
-
-/// A plane by its normal and a point.
-type Plane = (Vector3<f64>, Vector3<f64>);
+use super::wheel::{LEANING, Plane, SIDE, Touch};
 
 /// A track, in the frame of its link: the origin is the sprocket's middle.
 pub(super) struct Track {
     belt: Belt,
     /// Numbers of the rollers that the belt lies on, in their order around it.
     around: Vec<usize>,
-    pub(super) half_width: f64,
+    half_width: f64,
     /// Distance of its farthest point from the origin, m.
     reach: f64,
 }
@@ -40,7 +39,7 @@ impl Track {
     }
 
     /// Adds the contacts with a shape, each at a pose, within a distance, m, in world axes. Of a fixed shape other than a plane it adds the
-    /// corners of the areas of contact, which `area.rs` replaces.
+    /// corners of the areas of contact, which [`ArticulatedRobot::join_areas`] replaces.
     pub(super) fn touch(
         &self,
         own: &Surface,
@@ -81,7 +80,7 @@ impl Track {
     }
 
     /// Returns the contacts of the lowest run with a plane, by its normal and a point, within a distance, m.
-    pub(super) fn on_plane(&self, at: &EnginePose, axle: &Vector3<f64>, plane: Plane, prediction: f64) -> Vec<Touch> {
+    fn on_plane(&self, at: &EnginePose, axle: &Vector3<f64>, plane: Plane, prediction: f64) -> Vec<Touch> {
         let discs =
             self.lowest_run(at, &plane.0, axle).into_iter().map(|disc| self.disc_on_plane(at, axle, disc, plane));
         let mut touches: Vec<Touch> = discs.filter(|touch| touch.gap <= prediction).collect();
@@ -106,5 +105,31 @@ impl Track {
         let along = (-lean / LEANING).clamp(-1.0, 1.0) * self.half_width;
         let point = middle + axle * along + toward * disc.radius;
         Touch { share: disc.share, ..Touch::new(normal, point, normal.dot(&(point - place))) }
+    }
+}
+
+impl ArticulatedRobot {
+    /// Replaces the corners of the areas on which each track lies by its contacts.
+    pub(super) fn join_areas(&self, found: &mut Vec<CandidateContact>) {
+        for (number, (surface, at)) in self.compiled.surfaces.iter().zip(&self.placed).enumerate() {
+            let Form::Track(track) = surface.form else { continue };
+            // Contacts with planes have their places already.
+            let is_corner = |it: &mut CandidateContact| it.key.surface == number && it.touch.area.is_some();
+            let corners: Vec<CandidateContact> = found.extract_if(.., is_corner).collect();
+            let is_same = |one: &CandidateContact, other: &CandidateContact| {
+                (one.key.other, one.touch.area) == (other.key.other, other.touch.area)
+            };
+            let areas = corners.chunk_by(is_same).map(<[CandidateContact]>::to_vec).collect();
+            let track = &self.compiled.tracks[track];
+            let axle = convert::from_vector(at.pose.rotation * Vector::Y);
+            let prediction = at.prediction.min(MAX_PREDICTION);
+            let on_plane = |plane: Plane| track.on_plane(&at.pose, &axle, plane, prediction);
+            let belt = Belted { axle, width: 2.0 * track.half_width, prediction, on_plane: &on_plane };
+            let before = found.len();
+            for mut contact in belt.contacts(areas) {
+                contact.key.number = found[before..].iter().filter(|it| it.key.other == contact.key.other).count();
+                found.push(contact);
+            }
+        }
     }
 }

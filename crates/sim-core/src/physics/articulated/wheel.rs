@@ -73,7 +73,7 @@ pub(super) struct Wheel {
 }
 
 /// A plane by its normal and a point.
-type Plane = (Vector3<f64>, Vector3<f64>);
+pub(super) type Plane = (Vector3<f64>, Vector3<f64>);
 
 /// A disc of a wheel beside a shape.
 #[derive(Debug, Clone, Copy)]
