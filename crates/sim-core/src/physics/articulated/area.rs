@@ -53,7 +53,7 @@ impl Belted<'_> {
             let stretch = stretches.iter().find(|it| it.holds(&run, &touch, self.width))?;
             Some(CandidateContact { touch, ..stretch.base.clone() })
         };
-        let discs = (self.on_plane)((run.normal, place(&deepest)));
+        let discs = (self.on_plane)((run.normal, deepest.place()));
         if stretches.iter().any(|it| it.length() >= SHORT)
             && let Some(held) = discs.into_iter().map(hold).collect()
         {
@@ -108,7 +108,7 @@ impl Run {
     pub(super) fn new(touch: &Touch, axle: &Vector3<f64>) -> Option<Self> {
         let normal = touch.normal;
         let along = normal.cross(axle).try_normalize(1.0 - SIDE)?;
-        Some(Self { normal, along, across: along.cross(&normal), start: place(touch) })
+        Some(Self { normal, along, across: along.cross(&normal), start: touch.place() })
     }
 
     /// Returns the place of a contact along the run and across it, and its gap, m.
@@ -196,20 +196,15 @@ fn drop_lower(planes: Vec<Areas>) -> Vec<Areas> {
 fn is_lower(one: &Areas, other: &Areas) -> bool {
     let rises = |areas: &Areas, base: &Areas| {
         let base = base[0][0].touch;
-        let height = |touch: &Touch| base.normal.dot(&(place(touch) - place(&base)));
+        let height = |touch: &Touch| base.normal.dot(&(touch.place() - base.place()));
         areas.iter().flatten().any(|corner| height(&corner.touch) > NEAR)
     };
     !rises(one, other) && rises(other, one)
 }
 
-/// Returns the point of the other shape at a contact.
-fn place(touch: &Touch) -> Vector3<f64> {
-    touch.point - touch.normal * touch.gap
-}
-
 /// True if two contacts are with one plane.
 fn is_on_plane(one: &Touch, other: &Touch) -> bool {
-    one.normal.dot(&other.normal) > SAME_NORMAL && one.normal.dot(&(place(one) - place(other))).abs() < SAME_HEIGHT
+    one.normal.dot(&other.normal) > SAME_NORMAL && one.normal.dot(&(one.place() - other.place())).abs() < SAME_HEIGHT
 }
 
 /// Returns the ends of an area's section at a place along the run: places across it, and gaps.

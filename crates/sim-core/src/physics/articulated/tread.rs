@@ -4,7 +4,6 @@
 //! contact. Where the faces are nearly one plane, the wheel stands on that plane as it does on a single face: with its load in the middle,
 //! and nearer to an edge as it leans.
 
-use nalgebra::Vector3;
 use rapier3d::math::Vector;
 
 use super::super::convert;
@@ -56,7 +55,7 @@ fn join(wheel: &Wheel, surface: usize, found: &mut Vec<CandidateContact>) {
     let Some(base) = whole.or_else(on_both) else { return };
     // What does not rise above the plane on which the wheel stands does not hold it: it repeats the contact, or is an edge that the rim comes
     // to. Another material under the other edge does.
-    let height = |it: &CandidateContact| base.touch.normal.dot(&(place(it) - place(&base)));
+    let height = |it: &CandidateContact| base.touch.normal.dot(&(it.touch.place() - base.touch.place()));
     let is_other = |it: &CandidateContact| is_flat(it, &base) && !it.is_alike(&base);
     found.retain(|it| !is_own(it) || height(it) > NEAR || is_other(it));
     found.push(base);
@@ -69,18 +68,13 @@ fn flatness((one, other): &(&CandidateContact, &CandidateContact)) -> f64 {
 
 /// Returns the contact of a wheel with the plane under the contacts at its edges.
 fn on_both(wheel: &Wheel, (left, right): (&CandidateContact, &CandidateContact)) -> Option<CandidateContact> {
-    let start = place(left);
-    let line = (place(right) - start).try_normalize(NEAR)?;
+    let start = left.touch.place();
+    let line = (right.touch.place() - start).try_normalize(NEAR)?;
     let sum = left.touch.normal + right.touch.normal;
     let normal = (sum - line * line.dot(&sum)).try_normalize(0.1)?;
     let mut both = CandidateContact { touch: wheel.on_plane(normal, start), ..left.clone() };
     both.key.number = 0;
     Some(both)
-}
-
-/// Returns the point of the other surface at a contact.
-fn place(it: &CandidateContact) -> Vector3<f64> {
-    it.touch.point - it.touch.normal * it.touch.gap
 }
 
 /// True if two contacts are on faces that are nearly one plane.

@@ -49,6 +49,11 @@ impl Touch {
     pub(super) fn new(normal: Vector3<f64>, point: Vector3<f64>, gap: f64) -> Self {
         Self { normal, point, gap, share: 1.0, roller: None, area: None }
     }
+
+    /// Returns the point on the other body.
+    pub(super) fn place(&self) -> Vector3<f64> {
+        self.point - self.normal * self.gap
+    }
 }
 
 /// Contact of a roller.
