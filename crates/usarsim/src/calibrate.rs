@@ -9,6 +9,7 @@ use recorder::{Table, bag};
 use scene::RobotDef;
 
 use crate::output::keep_inputs;
+use crate::values::within;
 use crate::{Failure, exit, log, print};
 
 /// Longest table, bytes: some hours of a robot.
@@ -58,7 +59,7 @@ pub(crate) struct Arguments {
 }
 
 fn friction(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|it| (0.01..=10.0).contains(it)).ok_or_else(|| "expected 0.01 to 10".to_owned())
+    within(text, 0.01, 10.0)
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
