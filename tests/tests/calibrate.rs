@@ -122,7 +122,11 @@ fn intervals_hold_what_they_say() {
 /// Makes a record of runs that end without power, ahead and sideways in turn if a robot can: a second at a speed, then braked by what
 /// rolling resistance and bearings have for each way, and a second of rest.
 fn coasting(robot: &RobotDef, [resistance, bearings]: [f64; 2], runs: u32, rng: &mut ChaCha8Rng) -> String {
-    let turning: f64 = robot.driven().map(|wheel| wheel.spin_inertia() / (wheel.radius * wheel.radius)).sum();
+    let turning = |wheel: scene::MountedWheel| {
+        let rotor = wheel.drive.map_or(0.0, |motor| motor.armature);
+        (wheel.spin_inertia() + rotor) / (wheel.radius * wheel.radius)
+    };
+    let turning: f64 = robot.driven().map(turning).sum();
     let effective = 1.0 + turning / f64::from(robot.mass());
     let has_rollers = robot.class == "YouBot";
     let mut text = "time,x,y,yaw".to_owned();

@@ -161,8 +161,8 @@ pub fn calibrate(
     if windows.len() < LEAST_WINDOWS {
         return Err(CalibrationError::Short(windows.len()));
     }
-    let mut way = Fit::default();
-    let mut turn = Fit::default();
+    let mut way = Fit::new();
+    let mut turn = Fit::new();
     for it in &windows {
         (0..2).for_each(|axis| way.add([it.ahead[axis], it.aside[axis]], it.moved[axis]));
         turn.add([it.about, 0.0], it.turn);
@@ -190,7 +190,8 @@ pub fn calibrate(
             let is_sliding = on(Side::Left).count() > 1;
             let in_file = (!is_sliding).then(|| across(Side::Right) - across(Side::Left));
             found.add(TRACK, "m", over_turn, in_file, "the robot hardly turns");
-            found.add_offset(CENTRE, "m", way.number(1), "the robot hardly turns");
+            // It may be 0, so its interval counts by itself.
+            found.add_within(MOST_UNCERTAIN, CENTRE, "m", way.number(1), Some(0.0), "the robot hardly turns");
             curves = by_curvature(&windows, radius[0]);
             if is_sliding && robot.driven().all(|wheel| wheel.belt.is_none()) {
                 found.add_tyres(robot, friction, &curves);
@@ -214,8 +215,20 @@ struct Found {
 impl Found {
     /// Adds a number, given by its value and half of its interval, unless the record does not tell it.
     fn add(&mut self, name: &'static str, unit: &'static str, number: [f64; 2], in_file: Option<f64>, why: &str) {
-        let [value, half] = number;
-        if half.is_finite() && half <= MOST_UNCERTAIN * value.abs() {
+        self.add_within(MOST_UNCERTAIN * number[0].abs(), name, unit, number, in_file, why);
+    }
+
+    /// Adds a number if half of its interval is `most` at most.
+    fn add_within(
+        &mut self,
+        most: f64,
+        name: &'static str,
+        unit: &'static str,
+        [value, half]: [f64; 2],
+        in_file: Option<f64>,
+        why: &str,
+    ) {
+        if half.is_finite() && half <= most {
             self.numbers.push(Number { name, unit, value, interval: [value - half, value + half], in_file });
         } else {
             self.missing.push(format!("{name}: {why}"));
@@ -251,27 +264,15 @@ impl Found {
             return self.missing.extend(names.map(missing));
         };
         let (found, runs) = coasting::coasting(record, robot);
-        for (name, [value, half]) in names.zip(found) {
+        for (name, number) in names.zip(found) {
             let in_file = bearings.filter(|_| name == BEARINGS);
             if runs < coasting::LEAST_RUNS {
                 let expected = coasting::LEAST_RUNS;
                 self.missing.push(format!("{name}: {runs} runs that end without power: expected {expected} at least"));
-            } else if half.is_finite() && half <= MOST_UNCERTAIN_BRAKE * value.abs() {
-                self.numbers.push(Number { name, unit: "", value, interval: [value - half, value + half], in_file });
-            } else {
-                self.missing.push(format!(
-                    "{name}: these runs do not tell it; a Mecanum robot needs some ahead and some sideways"
-                ));
+                continue;
             }
-        }
-    }
-
-    /// Adds a number that may be 0.
-    fn add_offset(&mut self, name: &'static str, unit: &'static str, [value, half]: [f64; 2], why: &str) {
-        if half.is_finite() && half <= MOST_UNCERTAIN {
-            self.numbers.push(Number { name, unit, value, interval: [value - half, value + half], in_file: Some(0.0) });
-        } else {
-            self.missing.push(format!("{name}: {why}"));
+            let why = "these runs do not tell it; a Mecanum robot needs some ahead and some sideways";
+            self.add_within(MOST_UNCERTAIN_BRAKE * number[0].abs(), name, "", number, in_file, why);
         }
     }
 }
@@ -338,7 +339,7 @@ fn by_curvature(windows: &[Window], radius: f64) -> Vec<Curve> {
     let curve = |(&low, &high): (&f64, &f64)| {
         let curvature = |it: &Window| (it.sum / it.about).abs();
         let own = || windows.iter().filter(|it| (low..high).contains(&curvature(it)));
-        let mut turn = Fit::default();
+        let mut turn = Fit::new();
         own().for_each(|it| turn.add([it.about, 0.0], it.turn));
         let count = own().count();
         let [share, half] = turn.solve().number(0);

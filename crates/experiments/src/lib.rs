@@ -13,6 +13,7 @@ pub mod claim;
 mod course;
 mod crowd;
 pub mod fit;
+mod inertia;
 pub mod plan;
 pub mod plot;
 pub mod real;

@@ -11,13 +11,14 @@ mod reason;
 use base_motion::mecanum;
 use gamebots_proto::command::{Command, Init};
 use nalgebra::Vector3;
-use scene::{DriveModel, MapDef, Material, MountedWheel, RobotDef, Shape, Solid, WorldDef};
+use scene::{DriveModel, MapDef, Material, RobotDef, Shape, Solid, WorldDef};
 use scene_loader::{LoadError, Override};
 use sim_core::{BodyState, Options, PawnId, WheelState, World};
 
 pub use reason::{Stance, reason};
 
 use crate::course::{MotionError, SETTLING};
+use crate::inertia::turning_inertia;
 
 /// One measured number and its bounds.
 #[derive(Debug, Clone, PartialEq)]
@@ -273,9 +274,4 @@ fn halved(subject: &Subject) -> Subject {
     let mut halved = subject.clone();
     halved.options.time_step /= 2.0;
     halved
-}
-
-/// Returns the inertia of a driven wheel about its axle, with its rotor, kg m².
-fn turning_inertia(wheel: &MountedWheel) -> f64 {
-    wheel.spin_inertia() + wheel.drive.map_or(0.0, |motor| motor.armature)
 }

@@ -3,11 +3,12 @@
 //! Rolling resistance brakes a robot by c g, and the bearings of its rollers by √2 c g |sin a| where it goes at an angle a to its front:
 //! rollers turn at √2 times the speed sideways, and stand still ahead. So each run gives a row that is linear in both.
 
-use nalgebra::{Matrix3, Rotation2, Vector2, Vector3};
+use nalgebra::{Rotation2, Vector2};
 use scene::RobotDef;
 
 use super::fit::Fit;
 use super::record::Record;
+use crate::inertia::rolling_mass;
 
 /// Gravity, m/s².
 const GRAVITY: f64 = 9.81;
@@ -39,14 +40,13 @@ struct Coasting {
 pub(super) fn coasting(record: &Record, robot: &RobotDef) -> ([[f64; 2]; 2], usize) {
     let has_rollers = robot.driven().any(|wheel| wheel.rollers.is_some());
     let runs = runs(record);
-    let mut fit = Fit::default();
+    let mut fit = Fit::new();
     for run in &runs {
         let sideways = if has_rollers { run.sideways } else { 0.0 };
         fit.add([run.weight, sideways * run.weight], run.deceleration * run.weight);
     }
     // Wheels that turn have to be stopped, too.
-    let turning: f64 = robot.driven().map(|wheel| wheel.spin_inertia() / (wheel.radius * wheel.radius)).sum();
-    let over_gravity = (1.0 + turning / f64::from(robot.mass())) / GRAVITY;
+    let over_gravity = rolling_mass(robot) / f64::from(robot.mass()) / GRAVITY;
     let found = fit.solve();
     let coefficient = |number: usize, factor: f64| found.number(number).map(|it| it * factor * over_gravity);
     ([coefficient(0, 1.0), coefficient(1, std::f64::consts::FRAC_1_SQRT_2)], runs.len())
@@ -103,16 +103,15 @@ fn run(record: &Record, from: usize, to: usize) -> Option<Coasting> {
     let way = way.try_normalize(f64::MIN_POSITIVE)?;
     let [.., first] = record.pose(from);
     let yaw = first + samples().map(|(_, [.., yaw])| scene::wrapped(yaw - first)).sum::<f64>() / count;
-    let (mut squares, mut products) = (Matrix3::zeros(), Vector3::zeros());
+    let mut parabola = Fit::new();
     let [start_x, start_y, _] = record.pose(from);
     for (time, [x, y, _]) in samples() {
-        let row = Vector3::new(1.0, time, time * time / 2.0);
-        squares += row * row.transpose();
-        products += row * way.dot(&Vector2::new(x - start_x, y - start_y));
+        parabola.add([1.0, time, time * time / 2.0], way.dot(&Vector2::new(x - start_x, y - start_y)));
     }
-    let inverse = squares.try_inverse()?;
+    let parabola = parabola.solve();
     // Noise adds to a sine without a sign.
     let sideways = Some((Rotation2::new(-yaw) * way).y.abs()).filter(|&it| it > AHEAD).unwrap_or(0.0);
-    let weight = 1.0 / inverse[(2, 2)].sqrt();
-    Some(Coasting { deceleration: -(inverse * products).z, sideways, weight })
+    let weight = 1.0 / parabola.covariance[(2, 2)].sqrt();
+    let run = Coasting { deceleration: -parabola.values[2], sideways, weight };
+    (run.deceleration * run.weight).is_finite().then_some(run)
 }

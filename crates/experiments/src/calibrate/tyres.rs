@@ -4,10 +4,11 @@
 //! its stiffness. Between, both count, and where that lies depends on stiffness over friction: so the friction has to be known. The robot is simulated with tyres until its effective tracks are those of the record: least squares by
 //! Gauss and Newton over the logarithms of the stiffness along and across.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use scene::{DriveModel, RobotDef, Tyre, WorldDef};
 
 use super::Curve;
+use super::fit::Fit;
 use crate::real::{Floor, effective_track};
 
 /// Fewest curvatures.
@@ -46,37 +47,35 @@ pub(super) fn stiffness(robot: &RobotDef, friction: f64, curves: &[Curve]) -> Re
     };
     // Logarithms of the stiffness along and across, and of the record's tracks over those simulated: a wheel's radius is not exact.
     let mut logs = Vector3::new(libm::log(GUESS), libm::log(GUESS), 0.0);
-    let mut covariance = Matrix3::zeros();
-    let (mut left, mut last) = (0.0, f64::INFINITY);
+    let (mut found, mut last) = (Fit::<3>::new().solve(), f64::INFINITY);
     for _ in 0..MOST_STEPS {
         let now = tracks(logs)?;
         let [along, across] = [Vector3::x(), Vector3::y()].map(|axis| tracks(logs + axis * NUDGE));
         let (along, across) = (along?, across?);
-        let (mut squares, mut products) = (Matrix3::zeros(), Vector3::zeros());
-        left = 0.0;
+        let mut fit = Fit::new();
         for (index, curve) in curves.iter().enumerate() {
             let slope = |nudged: &[f64]| (nudged[index] - now[index]) / NUDGE;
-            let row = Vector3::new(slope(&along), slope(&across), now[index]) / curve.error;
-            let off = (curve.track - now[index]) / curve.error;
-            squares += row * row.transpose();
-            products += row * off;
-            left += off * off;
+            let parts = [slope(&along), slope(&across), now[index]].map(|part| part / curve.error);
+            fit.add(parts, (curve.track - now[index]) / curve.error);
         }
-        covariance = squares.try_inverse().ok_or("the effective tracks are those of rigid wheels")?;
-        let step = (covariance * products).map(|it| it.clamp(-1.0, 1.0));
+        found = fit.solve();
+        let step = found.values.map(|it| it.clamp(-1.0, 1.0));
+        if !step.iter().all(|it| it.is_finite()) {
+            return Err("the effective tracks are those of rigid wheels".to_owned());
+        }
         logs += step;
         last = step.amax();
         if last < SMALL {
             break;
         }
     }
-    if last.is_nan() || last > NUDGE {
+    if last > NUDGE {
         return Err("no stiffness gives these effective tracks".to_owned());
     }
     // What the tyre does not explain widens the intervals.
-    let scale = (left / (curves.len() - 3) as f64).max(1.0);
+    let variance = found.deviation.powi(2).max(1.0);
     let [along, across] = [0, 1].map(|axis| {
-        let half = 1.96 * (covariance[(axis, axis)] * scale).sqrt();
+        let half = 1.96 * (found.covariance[(axis, axis)] * variance).sqrt();
         let is_told = half <= MOST_UNCERTAIN && (libm::log(RANGE[0])..libm::log(RANGE[1])).contains(&logs[axis]);
         is_told.then(|| [logs[axis], logs[axis] - half, logs[axis] + half].map(libm::exp))
     });

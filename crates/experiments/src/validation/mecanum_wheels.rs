@@ -2,11 +2,12 @@
 
 use base_motion::mecanum;
 use nalgebra::UnitQuaternion;
-use scene::{Material, RobotDef, Shape, Solid, WheelGeometry, wrapped};
+use scene::{Material, Shape, Solid, WheelGeometry, wrapped};
 use sim_core::WheelState;
 
-use super::{Finding, Scene, Subject, about, below, energy, halved, same_bits, slides, tolerance, turning_inertia};
+use super::{Finding, Scene, Subject, about, below, energy, halved, same_bits, slides, tolerance};
 use crate::course::{MotionError, angles, drive_command, exact_step};
+use crate::inertia::rolling_mass;
 
 /// Names of the checks.
 pub(super) const CHECKS: [&str; 12] = [
@@ -384,10 +385,4 @@ fn coasting(subject: &Subject) -> Subject {
     motors(&mut free, |motor| (motor.gain, motor.integral_time) = (1e-9, None));
     free.floor.rolling_resistance = 0.0;
     free
-}
-
-/// Returns the effective mass of a forward push: the robot's mass plus the share of its wheels' inertia.
-fn rolling_mass(robot: &RobotDef) -> f64 {
-    let wheels = robot.driven().map(|wheel| turning_inertia(&wheel) / wheel.radius.powi(2));
-    f64::from(robot.mass()) + wheels.sum::<f64>()
 }

@@ -3,10 +3,9 @@
 use gamebots_proto::command::Command;
 use scene::{Motor, RobotDef, Steering};
 
-use super::{
-    Finding, Scene, Subject, about, below, energy, halved, same_bits, slides, tolerance, turning_inertia, world,
-};
+use super::{Finding, Scene, Subject, about, below, energy, halved, same_bits, slides, tolerance, world};
 use crate::course::{Course, Motion, MotionError, Travel, angles_of};
+use crate::inertia::turning_inertia;
 use crate::reference::Sliding;
 
 /// Names of the checks.
