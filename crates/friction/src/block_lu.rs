@@ -5,8 +5,8 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::ops::Range;
 
+use crate::parts::{MAX_NODE, Parts};
 use crate::sparse::SparseProblem;
 
 /// The pattern of a matrix and of its factors.
@@ -14,30 +14,18 @@ use crate::sparse::SparseProblem;
 pub(crate) struct Pattern {
     /// Nodes in the order of elimination.
     nodes: Vec<Node>,
-    /// The node of each coordinate; `usize::MAX` if no constraint touches it.
+    /// The node of each coordinate; `usize::MAX` if no constraint touches it, or one alone.
     node_of: Vec<usize>,
     /// For each node, its later nodes that share a block with it, ascending; then the first column of each of these.
     later: Vec<usize>,
     starts: Vec<usize>,
     /// Total length of all blocks.
     size: usize,
-    /// For every constraint, its parts: its entries by node.
-    parts: Vec<Part>,
-    parts_of: Vec<Range<usize>>,
+    /// The Jacobian of every constraint, by nodes.
+    pub(crate) parts: Parts,
     /// Start of the block of every pair of parts of one constraint, and the length of its rows.
     places: Vec<(usize, usize)>,
     scratch: Scratch,
-}
-
-/// Entries of a constraint that belong to one node.
-#[derive(Debug, Clone, Copy)]
-struct Part {
-    node: usize,
-    /// Range of its entries among those of the constraint.
-    start: usize,
-    end: usize,
-    /// Start of its pairs in `places`.
-    places: usize,
 }
 
 /// A group of consecutive coordinates.
@@ -61,6 +49,10 @@ struct Node {
 #[derive(Debug, Clone, Default)]
 struct Scratch {
     marks: Vec<u64>,
+    /// Number of constraints that touch each coordinate.
+    counts: Vec<u32>,
+    /// For each constraint, the place among its entries of a coordinate that no other touches.
+    alone: Vec<Option<usize>>,
     near: Neighbours,
     touched: Vec<usize>,
 }
@@ -70,16 +62,28 @@ impl Pattern {
     pub(crate) fn find(&mut self, problem: &SparseProblem) -> u64 {
         let count = problem.coordinate_count();
         let Self { nodes, node_of, later, starts, size, scratch, .. } = self;
-        let Scratch { marks, near, touched } = scratch;
+        let Scratch { marks, counts, alone, near, touched } = scratch;
+        counts.clear();
+        counts.resize(count, 0);
+        problem.entries.iter().for_each(|(coordinate, _)| counts[*coordinate] += 1);
+        alone.clear();
+        alone.extend(problem.ranges.iter().map(|range| {
+            // A root that one constraint alone touches stays one node.
+            let entries = &problem.entries[range.clone()];
+            let last = entries.iter().rposition(|(coordinate, _)| counts[*coordinate] == 1)?;
+            let is_first = last == 0 || counts[entries[last - 1].0] > 1;
+            is_first.then_some(last)
+        }));
         // Coordinates that the same constraints touch have the same sum of marks. A chance collision only makes a block with zeros.
         marks.clear();
         marks.resize(count, 0);
-        for (number, range) in problem.ranges.iter().enumerate() {
+        for (number, (range, alone)) in problem.ranges.iter().zip(&*alone).enumerate() {
             let mark = (number as u64 + 1)
                 .wrapping_mul(0x9e37_79b9_7f4a_7c15)
                 .rotate_left(29)
                 .wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            for &(coordinate, _) in &problem.entries[range.clone()] {
+            let entries = problem.entries[range.clone()].iter().enumerate();
+            for (_, &(coordinate, _)) in entries.filter(|(place, _)| Some(*place) != *alone) {
                 marks[coordinate] = marks[coordinate].wrapping_add(mark | 1);
             }
         }
@@ -108,7 +112,8 @@ impl Pattern {
         near.clear(nodes.len());
         for range in &problem.ranges {
             touched.clear();
-            touched.extend(problem.entries[range.clone()].iter().map(|(coordinate, _)| node_of[*coordinate]));
+            let nodes = problem.entries[range.clone()].iter().map(|(coordinate, _)| node_of[*coordinate]);
+            touched.extend(nodes.filter(|node| *node != usize::MAX));
             touched.dedup();
             near.join(touched);
         }
@@ -140,32 +145,20 @@ impl Pattern {
         work
     }
 
-    /// Finds the parts of every constraint and the blocks of their pairs.
+    /// Collects the parts of every constraint, and finds the blocks of their pairs.
     fn find_parts(&mut self, problem: &SparseProblem) {
-        let (mut parts, mut parts_of) = (std::mem::take(&mut self.parts), std::mem::take(&mut self.parts_of));
+        let Self { nodes, node_of, parts, scratch, .. } = self;
+        parts.collect(problem, &scratch.alone, |coordinate| {
+            let node = node_of[coordinate];
+            (node, nodes[node].first, nodes[node].size)
+        });
         let mut places = std::mem::take(&mut self.places);
-        parts.clear();
-        parts_of.clear();
         places.clear();
-        for constraint in 0..problem.constraints.len() {
-            let first = parts.len();
-            for (number, (coordinate, _)) in problem.entries_of(constraint).iter().enumerate() {
-                let node = self.node_of[*coordinate];
-                match parts[first..].last_mut() {
-                    Some(Part { node: known, end, .. }) if *known == node => *end = number + 1,
-                    _ => parts.push(Part { node, start: number, end: number + 1, places: 0 }),
-                }
-            }
-            let count = parts.len() - first;
-            for own in first..parts.len() {
-                parts[own].places = places.len();
-                for its in first..first + count {
-                    places.push(self.block(parts[own].node, parts[its].node));
-                }
-            }
-            parts_of.push(first..first + count);
+        for constraint in 0..self.parts.constraint_count() {
+            let parts = self.parts.of(constraint);
+            places.extend(parts.iter().flat_map(|own| parts.iter().map(|its| self.block(own.node, its.node))));
         }
-        (self.parts, self.parts_of, self.places) = (parts, parts_of, places);
+        self.places = places;
     }
 
     /// Sets the blocks of moving bodies to the identity.
@@ -179,33 +172,8 @@ impl Pattern {
     }
 
     /// Adds the gain of a constraint to the blocks of its coordinates. Returns the multiplications.
-    pub(crate) fn add(
-        &self,
-        constraint: usize,
-        entries: &[(usize, [f64; 3])],
-        gain: &[[f64; 3]; 3],
-        matrix: &mut [f64],
-    ) -> u64 {
-        let parts = &self.parts[self.parts_of[constraint].clone()];
-        for own in parts {
-            let own_first = self.nodes[own.node].first;
-            for (coordinate, entry) in &entries[own.start..own.end] {
-                let mut pushed = [0.0; 3];
-                for row in 0..3 {
-                    (0..3).for_each(|column| pushed[column] += entry[row] * gain[row][column]);
-                }
-                for (its, &(place, width)) in parts.iter().zip(&self.places[own.places..]) {
-                    let line = &mut matrix[place + (coordinate - own_first) * width..];
-                    // The coordinates of a part are consecutive.
-                    let its_entries = &entries[its.start..its.end];
-                    let first = its_entries[0].0 - self.nodes[its.node].first;
-                    for (to, (_, entry)) in line[first..].iter_mut().zip(its_entries) {
-                        *to += pushed[0] * entry[0] + pushed[1] * entry[1] + pushed[2] * entry[2];
-                    }
-                }
-            }
-        }
-        (entries.len() * (entries.len() + 3) * 3) as u64
+    pub(crate) fn add(&self, constraint: usize, gain: &[[f64; 3]; 3], matrix: &mut [f64]) -> u64 {
+        self.parts.add(constraint, gain, &self.places, matrix)
     }
 
     fn later(&self, node: &Node) -> &[usize] {
@@ -334,9 +302,6 @@ impl Pattern {
         Some(work)
     }
 }
-
-/// Most coordinates of a node.
-const MAX_NODE: usize = 16;
 
 /// The neighbours of each node, as sets with one bit per node: a few words for the nodes of a heap.
 #[derive(Debug, Clone, Default)]
@@ -503,20 +468,29 @@ fn subtract_of<const INNER: usize, const COLUMNS: usize>(
 fn scale_block(block: &mut [f64], square: &[f64], size: usize) {
     match size {
         1 => block.iter_mut().for_each(|it| *it *= square[0]),
-        // Most nodes are a free body's six coordinates. A constant size is faster.
-        6 => scale_block_of(block, square, 6),
-        _ => scale_block_of(block, square, size),
+        // Most nodes are a free body's six coordinates.
+        6 => scale_block_of::<6>(block, square),
+        _ => {
+            for row in block.chunks_exact_mut(size) {
+                let mut scaled = [0.0; MAX_NODE];
+                for (factor, from) in row.iter().zip(square.chunks_exact(size)) {
+                    scaled[..size].iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
+                }
+                row.copy_from_slice(&scaled[..size]);
+            }
+        }
     }
 }
 
-#[inline(always)]
-fn scale_block_of(block: &mut [f64], square: &[f64], size: usize) {
-    for row in block.chunks_exact_mut(size) {
-        let mut scaled = [0.0; MAX_NODE];
-        for (factor, from) in row.iter().zip(square.chunks_exact(size)) {
-            scaled[..size].iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
+/// Multiplies rows of a constant length, which is faster.
+fn scale_block_of<const SIZE: usize>(block: &mut [f64], square: &[f64]) {
+    let (square, _) = square.as_chunks::<SIZE>();
+    for row in block.as_chunks_mut::<SIZE>().0 {
+        let mut scaled = [0.0; SIZE];
+        for (factor, from) in row.iter().zip(square) {
+            (0..SIZE).for_each(|column| scaled[column] += factor * from[column]);
         }
-        row.copy_from_slice(&scaled[..size]);
+        *row = scaled;
     }
 }
 

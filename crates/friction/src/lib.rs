@@ -59,6 +59,7 @@
 mod block_lu;
 mod local;
 mod newton;
+mod parts;
 mod problem;
 mod solver;
 mod sparse;

@@ -43,23 +43,6 @@ impl SparseProblem {
     pub(crate) fn entries_of(&self, constraint: usize) -> &[(usize, [f64; 3])] {
         &self.entries[self.ranges[constraint].clone()]
     }
-
-    /// Adds the changes of the coordinates by the impulses of a constraint.
-    pub(crate) fn push(&self, constraint: usize, impulses: &[f64; 3], coordinates: &mut [f64]) {
-        for &(coordinate, [x, y, z]) in self.entries_of(constraint) {
-            coordinates[coordinate] += x * impulses[0] + y * impulses[1] + z * impulses[2];
-        }
-    }
-
-    /// Returns the velocity that the coordinates give on the rows of a constraint, m/s.
-    pub(crate) fn pull(&self, constraint: usize, coordinates: &[f64]) -> [f64; 3] {
-        let mut velocity = [0.0; 3];
-        for &(coordinate, entry) in self.entries_of(constraint) {
-            let speed = coordinates[coordinate];
-            (0..3).for_each(|row| velocity[row] += entry[row] * speed);
-        }
-        velocity
-    }
 }
 
 /// The rows of one constraint.
@@ -75,6 +58,9 @@ pub(crate) struct Rows {
     pub(crate) right_side: [f64; 3],
     /// Velocity per impulse of 1 N s by which the row gives way, m/s.
     pub(crate) compliance: [f64; 3],
+    /// Inverses of the least and of the largest response of the tangents. With the least one a holding contact could be taken for a
+    /// sliding one.
+    pub(crate) grip: [f64; 2],
     /// The two bodies of the constraint; equal if there is only one.
     pub(crate) bodies: [usize; 2],
 }
@@ -96,7 +82,10 @@ impl Rows {
             let ends = [entries.first(), entries.last()].map(|entry| entry.map_or(0, |(coordinate, _)| *coordinate));
             let bodies = ends.map(|coordinate| problem.bodies.partition_point(|&start| start <= coordinate) - 1);
             first += count;
-            Self { constraint, first: first - count, count, own, right_side, compliance, bodies }
+            let tangents = own[1..count].iter().copied();
+            let least_and_most = [tangents.clone().fold(f64::INFINITY, f64::min), tangents.fold(0.0, f64::max)];
+            let grip = if count > 1 { least_and_most.map(|own| 1.0 / own) } else { [0.0; 2] };
+            Self { constraint, first: first - count, count, own, right_side, compliance, grip, bodies }
         }));
         problem.right_side.iter().fold(f64::MIN_POSITIVE, |most, right_side| most.max(right_side.abs()))
     }
@@ -111,21 +100,33 @@ impl Rows {
         std::array::from_fn(|row| velocity[row] + self.compliance[row] * impulse[row] - self.right_side[row])
     }
 
-    /// Returns the larger response of the tangents, m/s for an impulse of 1 N s. With the smaller one a holding contact could be taken for
-    /// a sliding one.
-    pub(crate) fn tangent_response(&self) -> f64 {
-        self.own[1..self.count].iter().copied().fold(0.0, f64::max)
-    }
-
     /// Returns the tangent impulses with which the contact would hold, estimated from its impulse and residual velocity. If they exceed its
     /// friction, the contact slides and friction has their direction.
     pub(crate) fn holding(&self, impulse: &[f64; 3], velocity: &[f64; 3]) -> [f64; 2] {
-        let own = self.tangent_response();
-        [1, 2].map(|row| if row < self.count { impulse[row] - velocity[row] / own } else { 0.0 })
+        // Missing rows have neither.
+        [1, 2].map(|row| impulse[row] - velocity[row] * self.grip[1])
     }
 
-    /// Returns the residual of the constraint, m/s: the larger of [`crate::Residual`]'s two.
-    pub(crate) fn residual(&self, impulse: &[f64; 3], velocity: &[f64; 3]) -> f64 {
-        self.constraint.residual(&self.own[..self.count], impulse, velocity).worst()
+    /// Returns the square of the residual of the constraint, (m/s)²: of the larger of [`crate::Residual`]'s two. That of a contact that
+    /// holds needs no root.
+    pub(crate) fn squared_residual(&self, impulse: &[f64; 3], velocity: &[f64; 3]) -> f64 {
+        let Constraint::Contact { friction, tangents } = self.constraint else {
+            return self.constraint.residual(&self.own[..1], impulse, velocity).tangent.powi(2);
+        };
+        let normal = (impulse[0] * self.own[0]).min(velocity[0]);
+        if tangents == 0 {
+            return normal * normal;
+        }
+        let wanted = [1, 2].map(|row| impulse[row] - velocity[row] * self.grip[0]);
+        let most = friction * impulse[0].max(0.0);
+        let squared = wanted[0] * wanted[0] + wanted[1] * wanted[1];
+        let tangent = if squared <= most * most {
+            velocity[1] * velocity[1] + velocity[2] * velocity[2]
+        } else {
+            let share = most / squared.sqrt();
+            let off = [1, 2].map(|row| impulse[row] - wanted[row - 1] * share);
+            (off[0] * off[0] + off[1] * off[1]) / (self.grip[0] * self.grip[0])
+        };
+        (normal * normal).max(tangent)
     }
 }

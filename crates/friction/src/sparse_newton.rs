@@ -14,6 +14,27 @@ pub(crate) struct Conditions {
     start: [f64; 3],
 }
 
+impl Conditions {
+    /// Leaves out a coordinate that no other constraint touches, given by its entries on the rows. Its equation is `speed = entries'
+    /// impulses`, so the velocity on the rows follows from that of the other coordinates.
+    fn leave_out(&mut self, entry: [f64; 3]) {
+        let Self { gain, start } = self;
+        let gained = gain.map(|row| dot(row, entry));
+        let gains: [f64; 3] = std::array::from_fn(|column| (0..3).map(|row| entry[row] * gain[row][column]).sum());
+        let whole = 1.0 + dot(entry, gained);
+        let pushed = dot(entry, *start);
+        for row in 0..3 {
+            let share = gained[row] / whole;
+            start[row] -= share * pushed;
+            (0..3).for_each(|column| gain[row][column] -= share * gains[column]);
+        }
+    }
+}
+
+fn dot(one: [f64; 3], other: [f64; 3]) -> f64 {
+    one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+}
+
 /// Scratch buffers of a step.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Newton {
@@ -52,13 +73,16 @@ impl Newton {
             }
             let impulse = own.of(impulses);
             if !one || !other {
-                problem.push(number, &impulse, right);
+                pattern.parts.push_nodes(number, &impulse, right);
                 continue;
             }
-            let linear = linearise(own, &impulse, &velocities[number]);
-            problem.push(number, &linear.start, right);
+            let mut linear = linearise(own, &impulse, &velocities[number]);
+            if let Some(alone) = pattern.parts.alone(number) {
+                linear.leave_out(alone.entry);
+            }
+            pattern.parts.push_nodes(number, &linear.start, right);
             if linear.gain[0][0] != 0.0 {
-                *work += pattern.add(number, problem.entries_of(number), &linear.gain, matrix);
+                *work += pattern.add(number, &linear.gain, matrix);
             }
             conditions.push((number, linear));
         }
@@ -67,7 +91,7 @@ impl Newton {
         let mut is_finite = true;
         for &(number, Conditions { gain, start }) in &*conditions {
             let own = &rows[number];
-            let velocity = problem.pull(number, right);
+            let velocity = pattern.parts.pull_nodes(number, right);
             let mut change = [0.0; 3];
             for row in 0..own.count {
                 let next = start[row] - (0..3).map(|column| gain[row][column] * velocity[column]).sum::<f64>();
@@ -76,7 +100,7 @@ impl Newton {
                 *impulse += change[row];
                 is_finite &= impulse.is_finite();
             }
-            problem.push(number, &change, coordinates);
+            pattern.parts.push(number, &change, coordinates);
         }
         is_finite
     }
@@ -103,13 +127,13 @@ fn linearise(rows: &Rows, impulse: &[f64; 3], velocity: &[f64; 3]) -> Conditions
         Constraint::Contact { .. } if wanted(0, own[0]) <= 0.0 => {}
         Constraint::Contact { friction, tangents } => {
             hold(0, &mut conditions);
-            let (own, wanted) = (rows.tangent_response(), rows.holding(impulse, velocity));
+            let wanted = rows.holding(impulse, velocity);
             let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();
             let most = friction * impulse[0].max(0.0);
             if length <= most {
                 (1..=tangents).for_each(|row| hold(row, &mut conditions));
             } else if tangents > 0 {
-                slide(rows, friction, wanted.map(|it| it / length), most / length, own, &mut conditions);
+                slide(rows, friction, wanted.map(|it| it / length), most / length, &mut conditions);
             }
         }
     }
@@ -117,8 +141,8 @@ fn linearise(rows: &Rows, impulse: &[f64; 3], velocity: &[f64; 3]) -> Conditions
 }
 
 /// Linearises the friction of a contact that slides along a direction. `share` is the limit of friction over the impulse that would hold.
-fn slide(rows: &Rows, friction: f64, direction: [f64; 2], share: f64, own: f64, conditions: &mut Conditions) {
-    let Rows { right_side, compliance, count, .. } = rows;
+fn slide(rows: &Rows, friction: f64, direction: [f64; 2], share: f64, conditions: &mut Conditions) {
+    let Rows { right_side, compliance, count, grip: [_, grip], .. } = rows;
     let (tangents, Conditions { gain, start }) = (count - 1, conditions);
     // `left` times the tangent impulses equals friction times the normal impulse along the direction, plus `turn` times the
     // right-hand side: the direction follows the slip.
@@ -131,8 +155,8 @@ fn slide(rows: &Rows, friction: f64, direction: [f64; 2], share: f64, own: f64, 
                 continue;
             }
             let across = (unit - direction[row] * direction[column]) * share;
-            left[row][column] = unit - across * (1.0 - compliance[1 + column] / own);
-            turn[row][column] = across / own;
+            left[row][column] = unit - across * (1.0 - compliance[1 + column] * grip);
+            turn[row][column] = across * grip;
         }
     }
     let determinant = left[0][0] * left[1][1] - left[0][1] * left[1][0];

@@ -11,7 +11,7 @@ use crate::sparse_newton::Newton;
 /// Residual above which the last step's impulses are no start for Newton's method, relative to the scale.
 const NEAR: f64 = 1e-3;
 /// Sweeps from a worse start before the first try of Newton's method. They find most of the contacts that came or left.
-const FIRST_SWEEPS: usize = 8;
+const FIRST_SWEEPS: usize = 4;
 /// Sweeps after the first failed try. They double after each further one.
 const SWEEPS: usize = 5;
 /// Accuracy of the friction of a contact in a sweep, if its exact solution is needed.
@@ -20,10 +20,13 @@ const ACCURACY: f64 = 1e-3;
 const STILL: f64 = 1e-5;
 /// Newton steps after which [`Effort::enough`] counts as settled.
 const GOOD_STEPS: usize = 3;
-/// Share of each Newton step that is taken, and most steps, in the first try.
-const FIRST_TRY: [(f64, usize); 1] = [(1.0, 8)];
-/// Shares and most steps of later tries. All start from the same impulses.
-const TRIES: [(f64, usize); 3] = [(1.0, 20), (0.7, 40), (0.4, 40)];
+/// Most Newton steps of a try.
+const STEPS: usize = 16;
+/// Newton steps of a try that are taken whole. Then every other one is damped, which ends most cycles of contacts that alternate between holding
+/// and sliding.
+const WHOLE_STEPS: usize = 5;
+/// Share of a damped step that is taken.
+const DAMPED: f64 = 0.6;
 
 /// Outcome of a sparse solution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -54,7 +57,7 @@ pub struct Effort {
 pub struct SparseWorkspace {
     rows: Vec<Rows>,
     newton: Newton,
-    /// Present impulses; their coordinates and residual velocities; and the residual of every constraint.
+    /// Present impulses; their coordinates and residual velocities; and the squared residual of every constraint.
     impulses: Vec<f64>,
     coordinates: Vec<f64>,
     velocities: Vec<[f64; 3]>,
@@ -64,9 +67,8 @@ pub struct SparseWorkspace {
     is_unsettled: Vec<bool>,
     /// Block of each constraint in the Delassus matrix; empty until the first sweep.
     responses: Vec<Matrix3<f64>>,
-    /// The best impulses so far, and those from which tries start.
+    /// The best impulses so far.
     best: Vec<f64>,
-    start: Vec<f64>,
 }
 
 /// Finds the impulses of a sparse problem. On entry `impulses` are those of the last step, or 0.
@@ -113,63 +115,56 @@ impl Search<'_> {
         self.go_to(impulses);
         // Drops the last problem's best impulses, in case none of this search improves on its start.
         self.workspace.best.clone_from(&self.workspace.impulses);
-        if self.judge() {
+        if self.judge(false) {
             return;
         }
         if self.outcome.residual > NEAR {
             self.sweep(FIRST_SWEEPS);
         }
-        let mut tries = FIRST_TRY.as_slice();
         let mut sweeps = SWEEPS;
-        loop {
-            let mut start = std::mem::take(&mut self.workspace.start);
-            start.clone_from(&self.workspace.impulses);
-            let is_over = tries.iter().any(|&(share, most)| {
-                self.go_to(&start);
-                self.newton(share, most)
-            });
-            self.workspace.start = start;
-            if is_over {
-                return;
-            }
+        while !self.newton() {
             let best = std::mem::take(&mut self.workspace.best);
             self.go_to(&best);
             self.workspace.best = best;
-            self.judge();
+            self.judge(false);
             self.sweep(sweeps);
-            (tries, sweeps) = (TRIES.as_slice(), 2 * sweeps);
+            sweeps *= 2;
         }
     }
 
     /// Sets the present impulses and their coordinates.
     fn go_to(&mut self, impulses: &[f64]) {
-        let SparseWorkspace { rows, coordinates, impulses: present, .. } = &mut *self.workspace;
+        let SparseWorkspace { rows, newton, coordinates, impulses: present, .. } = &mut *self.workspace;
         present.clear();
         present.extend_from_slice(impulses);
         coordinates.clear();
         coordinates.resize(self.problem.coordinate_count(), 0.0);
         for (number, rows) in rows.iter().enumerate() {
-            self.problem.push(number, &rows.of(impulses), coordinates);
+            newton.pattern.parts.push(number, &rows.of(impulses), coordinates);
         }
         self.outcome.work += 3 * self.problem.entries.len() as u64;
     }
 
-    /// Computes the residual of every constraint, and keeps the impulses if they are the best so far. Returns true if the search is over.
-    fn judge(&mut self) -> bool {
-        let SparseWorkspace { rows, impulses, coordinates, velocities, residuals, best, .. } = &mut *self.workspace;
-        velocities.clear();
-        residuals.clear();
+    /// Computes the residual of every constraint, and keeps the impulses if they are the best so far. After a step only the bodies that it moved
+    /// have changed. Returns true if the search is over.
+    fn judge(&mut self, is_after_step: bool) -> bool {
+        let SparseWorkspace { rows, newton, impulses, coordinates, velocities, residuals, moves, best, .. } =
+            &mut *self.workspace;
+        velocities.resize(rows.len(), [0.0; 3]);
+        residuals.resize(rows.len(), 0.0);
         let mut worst = 0.0_f64;
         for (number, rows) in rows.iter().enumerate() {
-            let impulse = rows.of(impulses);
-            let velocity = rows.residual_velocity(self.problem.pull(number, coordinates), &impulse);
-            let residual = rows.residual(&impulse, &velocity) / self.scale;
-            worst = worst.max(residual);
-            velocities.push(velocity);
-            residuals.push(residual);
+            if !is_after_step || rows.bodies.iter().any(|body| moves[*body]) {
+                let impulse = rows.of(impulses);
+                let pulled = newton.pattern.parts.pull(number, coordinates);
+                velocities[number] = rows.residual_velocity(pulled, &impulse);
+                residuals[number] = rows.squared_residual(&impulse, &velocities[number]);
+                self.outcome.work += 3 * self.problem.ranges[number].len() as u64 + 20;
+            }
+            worst = worst.max(residuals[number]);
         }
+        let worst = worst.sqrt() / self.scale;
         let outcome = &mut self.outcome;
-        outcome.work += 3 * self.problem.entries.len() as u64 + 20 * rows.len() as u64;
         if worst < outcome.residual {
             outcome.residual = worst;
             best.clone_from(impulses);
@@ -179,12 +174,12 @@ impl Search<'_> {
     }
 
     /// Tries Newton's method from the present impulses. Returns true if the search is over.
-    fn newton(&mut self, share: f64, most: usize) -> bool {
+    fn newton(&mut self) -> bool {
         for step in 0.. {
-            if self.judge() {
+            if self.judge(step > 0) {
                 return true;
             }
-            if step == most {
+            if step == STEPS {
                 break;
             }
             self.choose();
@@ -194,6 +189,8 @@ impl Search<'_> {
                 self.tolerance = self.tolerance.max(self.effort.enough / self.scale);
             }
             let work = &mut self.outcome.work;
+            let is_damped = step >= WHOLE_STEPS && (step - WHOLE_STEPS).is_multiple_of(2);
+            let share = if is_damped { DAMPED } else { 1.0 };
             if !newton.step(self.problem, rows, moves, velocities, share, impulses, coordinates, work) {
                 break;
             }
@@ -206,7 +203,8 @@ impl Search<'_> {
         let SparseWorkspace { rows, residuals, moves, is_unsettled, .. } = &mut *self.workspace;
         is_unsettled.clear();
         is_unsettled.resize(self.problem.bodies.len() - 1, false);
-        for (rows, _) in rows.iter().zip(&*residuals).filter(|(_, residual)| **residual > self.tolerance) {
+        let most = (self.tolerance * self.scale).powi(2);
+        for (rows, _) in rows.iter().zip(&*residuals).filter(|(_, residual)| **residual > most) {
             rows.bodies.into_iter().for_each(|body| is_unsettled[body] = true);
         }
         moves.clone_from(is_unsettled);
@@ -221,10 +219,11 @@ impl Search<'_> {
     fn sweep(&mut self, times: usize) {
         self.choose();
         let problem = self.problem;
-        let SparseWorkspace { rows, impulses, coordinates, moves, responses, .. } = &mut *self.workspace;
+        let SparseWorkspace { rows, newton, impulses, coordinates, moves, responses, .. } = &mut *self.workspace;
         if responses.is_empty() {
             responses.extend(rows.iter().enumerate().map(|(number, rows)| delassus(problem, number, rows)));
         }
+        let still = (STILL * self.scale).powi(2);
         for _ in 0..times {
             if self.outcome.work >= self.effort.budget {
                 return;
@@ -237,8 +236,8 @@ impl Search<'_> {
                 }
                 self.outcome.work += 6 * problem.ranges[number].len() as u64 + 60;
                 let before = rows.of(impulses);
-                let velocity = rows.residual_velocity(problem.pull(number, coordinates), &before);
-                if rows.residual(&before, &velocity) <= STILL * self.scale {
+                let velocity = rows.residual_velocity(newton.pattern.parts.pull(number, coordinates), &before);
+                if rows.squared_residual(&before, &velocity) <= still {
                     continue;
                 }
                 let after: [f64; 3] = match rows.constraint {
@@ -248,14 +247,13 @@ impl Search<'_> {
                         let mut left = delassus * Vector3::from(before) - Vector3::from(velocity);
                         // Missing rows have no right-hand side.
                         (rows.count..3).for_each(|row| left[row] = 0.0);
-                        let own = rows.tangent_response();
-                        let wanted = [1, 2].map(|row| before[row] - velocity[row] / own);
-                        local::approach(delassus, &left, friction, tangents, wanted, ACCURACY).into()
+                        let holding = rows.holding(&before, &velocity);
+                        local::approach(delassus, &left, friction, tangents, holding, ACCURACY).into()
                     }
                 };
                 let change: [f64; 3] = std::array::from_fn(|row| after[row] - before[row]);
                 if change != [0.0; 3] {
-                    problem.push(number, &change, coordinates);
+                    newton.pattern.parts.push(number, &change, coordinates);
                     impulses[rows.first..][..rows.count].copy_from_slice(&after[..rows.count]);
                 }
             }

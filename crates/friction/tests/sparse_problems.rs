@@ -7,24 +7,29 @@ use rand_chacha::ChaCha8Rng;
 /// A budget that no problem here should need.
 const PLENTY: Effort = Effort { enough: 0.0, budget: 50_000_000 };
 
-/// Builds a row of bodies with six coordinates. Each stands on the ground at two to four contacts and touches the next at one to three.
+/// Coordinates of a body: six of its root, and two wheels.
+const SIZE: usize = 8;
+
+/// Builds a row of bodies. Each stands on the ground at two to four contacts and touches the next at one to three. The first contact with the
+/// ground is that of one wheel, and all others are that of the other.
 fn heap(count: usize, rng: &mut ChaCha8Rng) -> SparseProblem {
-    let mut problem = SparseProblem { bodies: (0..=count).map(|body| 6 * body).collect(), ..SparseProblem::default() };
+    let bodies = (0..=count).map(|body| SIZE * body).collect();
+    let mut problem = SparseProblem { bodies, ..SparseProblem::default() };
     for body in 0..count {
-        for _ in 0..rng.random_range(2..=4) {
-            add(&mut problem, &[body], rng);
+        for number in 0..rng.random_range(2..=4) {
+            add(&mut problem, &[body], Some(6 + usize::from(number > 0)), rng);
         }
         for _ in 0..rng.random_range(1..=3) {
             if body + 1 < count {
-                add(&mut problem, &[body, body + 1], rng);
+                add(&mut problem, &[body, body + 1], None, rng);
             }
         }
     }
     problem
 }
 
-/// Adds a contact of one body or two, or sometimes a joint with dry friction.
-fn add(problem: &mut SparseProblem, bodies: &[usize], rng: &mut ChaCha8Rng) {
+/// Adds a contact of one body or two, or sometimes a joint with dry friction. `wheel` is the coordinate of a wheel that it touches.
+fn add(problem: &mut SparseProblem, bodies: &[usize], wheel: Option<usize>, rng: &mut ChaCha8Rng) {
     let constraint = match rng.random_range(0..10) {
         0 => Constraint::Within(rng.random_range(0.01..0.5)),
         1 => Constraint::Contact { friction: 0.0, tangents: 0 },
@@ -32,7 +37,7 @@ fn add(problem: &mut SparseProblem, bodies: &[usize], rng: &mut ChaCha8Rng) {
     };
     let start = problem.entries.len();
     let sizes = [0, 1, 2].map(|row| if row < constraint.rows() { 0.3 } else { 0.0 });
-    for coordinate in bodies.iter().flat_map(|body| 6 * body..6 * body + 6) {
+    for coordinate in bodies.iter().flat_map(|body| (0..6).chain(wheel).map(move |own| SIZE * body + own)) {
         let entry = sizes.map(|size| if size > 0.0 { rng.random_range(-size..size) } else { 0.0 });
         problem.entries.push((coordinate, entry));
     }
