@@ -2,7 +2,7 @@
 
 use articulated::Body;
 use nalgebra::{DMatrix, Vector3};
-use rapier3d::math::Pose as EnginePose;
+use rapier3d::math::{Matrix, Pose as EnginePose};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::query::{ShapeCastOptions, cast_shapes};
 use rapier3d::prelude::*;
@@ -443,6 +443,9 @@ impl Pair {
         let resistance = surface.material.pair_rolling_resistance(other);
         Self { friction, restitution, resistance, recovery: surface.recovery() }
     }
+            if prediction <= MAX_PREDICTION && are_apart((surface, at), (its, its_at), prediction) {
+                continue;
+            }
 }
 
 /// Turns the contacts found for a pair into `CandidateContact` entries. Their keys differ from `key` in the contact's number.
@@ -459,6 +462,17 @@ fn add(met: &mut Vec<Touch>, key: Key, counterpart: Counterpart, pair: &Pair, fo
         recovery,
     }));
 }
+/// True if the bounding boxes of two surfaces, each in its own axes, are farther apart than a distance along one of these axes, m.
+fn are_apart((one, at): (&Surface, &Placed), (other, its_at): (&Surface, &Placed), distance: f64) -> bool {
+    let between = its_at.pose.inv_mul(&at.pose);
+    let turn = Matrix::from_quat(between.rotation);
+    let reach = Matrix::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs());
+    let (half, its_half) = (one.around.half_extents(), other.around.half_extents());
+    let way = between * one.around.center() - other.around.center();
+    let along = |way: Vector, half: Vector, its_half: Vector| (way.abs() - half - its_half).max_element() > distance;
+    along(way, reach * half, its_half) || along(turn.transpose() * way, half, reach.transpose() * its_half)
+}
+
 
 impl OfEngine {
     /// Builds the body of a robot of the engine as its contacts see it in the coming step. `None` before the robot's first step.

@@ -4,9 +4,10 @@ use nalgebra::{Vector2, Vector3};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::math::{Pose as EnginePose, Vector};
 use rapier3d::parry::bounding_volume::BoundingVolume;
-use rapier3d::parry::query::details::NormalConstraints;
+use rapier3d::parry::query::details::{NormalConstraints, contact_support_map_support_map_with_params};
+use rapier3d::parry::query::gjk::{GJKResult, VoronoiSimplex};
 use rapier3d::parry::query::{ContactManifold, PersistentQueryDispatcher};
-use rapier3d::parry::shape::Shape;
+use rapier3d::parry::shape::{PolygonalFeature, Shape};
 
 use super::super::contact::{RollerDispatcher, distance};
 use super::super::convert;
@@ -15,6 +16,8 @@ use super::wheel::{Touch, Wheel};
 
 /// Distance below which two contacts are one, m.
 const SAME_PLACE: f64 = 1e-5;
+/// Distance by which a wheel is lifted off what touches its side, m. Deeper overlaps take the engine's search.
+const LIFT: f64 = 0.002;
 /// Most contacts between two faces.
 const MAX_POINTS: usize = 4;
 
@@ -87,9 +90,57 @@ pub(super) fn touches(own: &Surface, own_pose: &EnginePose, target: &Target, pre
             }
         }
     }
-    if is_side {
+    if is_side && (is_fixed || !on_side(own, own_pose, other, other_pose, prediction, found)) {
         on_solid(own, own_pose, other, other_pose, prediction, found);
     }
+}
+
+/// Adds the contacts of the side of a wheel with a convex shape that moves. Returns false if it needs the engine's search.
+///
+/// The engine looks for the depth of an overlap by expanding a polytope, which takes several times as long as to find the distance of shapes
+/// apart. The normal is about that at the hub. So the wheel is lifted along it until the shapes are apart, and comes back by what it was
+/// lifted.
+fn on_side(
+    own: &Surface,
+    own_pose: &EnginePose,
+    other: &dyn Shape,
+    other_pose: &EnginePose,
+    prediction: f64,
+    found: &mut Vec<Touch>,
+) -> bool {
+    let pose = other_pose.inv_mul(own_pose);
+    let (Some((features, 0.0)), Some((its_features, 0.0)), Some((_, away))) =
+        (own.shape.as_polygonal_feature_map(), other.as_polygonal_feature_map(), distance(other, pose.translation))
+    else {
+        return false;
+    };
+    let lifted = EnginePose::from_parts(pose.translation + away * LIFT, pose.rotation);
+    let mut simplex = VoronoiSimplex::new();
+    let nearest = contact_support_map_support_map_with_params(
+        &lifted,
+        its_features,
+        features,
+        prediction + LIFT,
+        &mut simplex,
+        Some(away),
+    );
+    let GJKResult::ClosestPoints(its_point, point, normal) = nearest else { return true };
+    let back = pose.rotation.inverse() * -normal;
+    let point = point - away * LIFT;
+    let (mut feature, mut its_feature) = (PolygonalFeature::default(), PolygonalFeature::default());
+    its_features.local_support_feature_toward(normal, its_point, &mut its_feature);
+    features.local_support_feature_toward(back, pose.inverse_transform_point(point), &mut feature);
+    let mut manifold = ContactManifold::<(), ()>::new();
+    PolygonalFeature::contacts(&pose, &pose.inverse(), normal, back, &its_feature, &feature, &mut manifold, false);
+    let deepest = (its_point, (point - its_point).dot(normal));
+    let all = manifold.points.iter().map(|it| (it.local_p1, it.dist)).chain([deepest]);
+    let away = convert::from_vector(other_pose.rotation * normal);
+    let touches = all.filter(|(_, gap)| *gap <= prediction).map(|(place, gap)| {
+        let place = convert::from_vector(*other_pose * place);
+        Touch::new(away, place + away * gap, gap)
+    });
+    spread(touches.collect(), found);
+    true
 }
 
 /// Adds the contact with a plane. Returns false if it needs the engine's geometry: a solid that reaches the plane, or a wheel's side.
