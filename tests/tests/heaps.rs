@@ -87,10 +87,60 @@ fn a_tower_of_ten_boxes_stands_until_a_robot_drives_into_it() {
         run(&mut world, 1.0);
         let after: Vec<Vector3<f64>> = world.objects().map(|object| object.pose.translation.vector).collect();
         assert_eq!(after, stands, "what sleeps does not move");
-        apply(&mut world, robot, "DRIVE {Left 4} {Right 4}");
+        apply(&mut world, robot, "DRIVE {Left 8} {Right 8}");
         run(&mut world, 6.0);
         let lowest = world.objects().map(|object| object.pose.translation.z).fold(f64::INFINITY, f64::min);
         assert!(lowest > -1.5, "at {time_step} s the highest box is still at {lowest} m");
+    }
+}
+
+/// What friction locks in as the robot runs into the tower does not hold it there.
+#[test]
+fn a_robot_that_runs_into_a_tower_drives_on() {
+    for (time_step, speed) in [(0.002, 4), (0.004, 6), (0.008, 8)] {
+        let mut def = def("rough");
+        tower(&mut def, 10, [1.0, 0.0]);
+        let mut world = World::new(def, Options { time_step, ..Options::default() });
+        let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 0,0,0}");
+        apply(&mut world, robot, &format!("DRIVE {{Left {speed}}} {{Right {speed}}}"));
+        while world.time() < 6.0 {
+            world.step();
+        }
+        let way = world.snapshot().robots[0].body.pose.translation.x;
+        assert!(way > 1.0, "at {time_step} s and {speed} rad/s it is still at {way} m");
+    }
+}
+
+/// A robot that leans on another on a slope of 0.1 creeps by less than 0.1 mm in an hour.
+#[test]
+fn robots_parked_on_a_slope_in_contact_do_not_creep() {
+    for time_step in [0.002, 0.008] {
+        let mut def = def("rough");
+        let slope = Solid { rotation: [0.0, 0.1, 0.0], position: [0.0, 0.0, -1.0], ..def.map.solids[0].clone() };
+        def.map.solids.push(Solid { name: "slope".into(), shape: Shape::Box { size: [6.0, 4.0, 0.2] }, ..slope });
+        let mut world = World::new(def, Options { time_step, ..Options::default() });
+        let robots = [0.0, 0.8].map(|x| init_on_top(&mut world, "P3AT", [x, 0.1 * x], 0.0));
+        let seconds = |world: &mut World, seconds: f64| {
+            let end = world.time() + seconds;
+            while world.time() < end {
+                world.step();
+            }
+        };
+        apply(&mut world, robots[0], "DRIVE {Left 2} {Right 2}");
+        seconds(&mut world, 3.0);
+        apply(&mut world, robots[0], "DRIVE {Left 0} {Right 0}");
+        seconds(&mut world, 10.0);
+        let places = |world: &World| -> Vec<Vector3<f64>> {
+            world.snapshot().robots.iter().map(|robot| robot.body.pose.translation.vector).collect()
+        };
+        let before = places(&world);
+        let gap = (before[1] - before[0]).norm();
+        assert!(gap < 0.58, "at {time_step} s they do not touch: {gap} m");
+        seconds(&mut world, 20.0);
+        for (now, before) in places(&world).iter().zip(before) {
+            let crept = (now - before).norm() * 180.0;
+            assert!(crept < 1e-4, "at {time_step} s: {crept:.1e} m in an hour");
+        }
     }
 }
 

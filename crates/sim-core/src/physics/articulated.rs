@@ -40,7 +40,7 @@ use crate::flight::Flight;
 
 pub(super) use compile::{Articulated, CompiledObject};
 use compile::{JointValue, Ring};
-use finding::{CandidateContact, Key, Placed};
+use finding::{CandidateContact, Key, Known, Placed};
 pub(super) use object::{MovableObject, uniform};
 pub(crate) use saved::{SavedObject, SavedTree};
 pub(super) use step_input::StepInput;
@@ -97,7 +97,7 @@ pub(crate) struct ArticulatedRobot {
     flies: bool,
     /// Contacts of the current step that this robot holds, and impulses of those of the last step.
     found: Vec<CandidateContact>,
-    known: Vec<(Key, Vector3<f64>)>,
+    known: Vec<Known>,
     /// Tyres in contact in the current step, and deflections of those of the last step.
     grips: Vec<(Key, Grip)>,
     deflections: Vec<(Key, Deflection)>,
@@ -229,7 +229,7 @@ impl ArticulatedRobot {
     }
 
     /// Applies servos, gravity, rolling resistance and friction of bearings for the coming step.
-    fn before_step(&mut self, gravity: Vector3<f64>, time_step: f64) {
+    fn before_step(&mut self, gravity: Vector3<f64>, is_alone: bool, time_step: f64) {
         self.brake_rollers(gravity, time_step);
         let Self { compiled, body, servos, targets, loads, resistances, .. } = self;
         body.set_gravity(if self.flies { Vector3::zeros() } else { gravity });
@@ -257,7 +257,10 @@ impl ArticulatedRobot {
                 let (ahead, axle) = (frame.rotation * Vector3::x(), frame.rotation * Vector3::from(WHEEL_AXIS));
                 let dof = body.tree().dof_of(driven.link);
                 let speed = driven.radius * body.velocity()[dof] + ahead.dot(&fall);
-                let moment = load.moment(driven.radius, speed, share, time_step);
+                // In a heap a wheel turns a little without its robot, as tangents give way there. What stops both would turn it back.
+                let wheel = body.tree().links()[driven.link].mass.inertia[(1, 1)] / driven.radius.powi(2);
+                let mass = if is_alone { share } else { wheel.min(share) };
+                let moment = load.moment(driven.radius, speed, mass, time_step);
                 body.twist(driven.link, axle * moment);
                 continue;
             }

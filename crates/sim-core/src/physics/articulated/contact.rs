@@ -63,7 +63,6 @@ impl ArticulatedRobot {
         let speed = normal.dot(&velocity);
         let push = if gap > 0.0 { -gap / time_step } else { (-gap / (time_step + RECOVERY_TIME)).min(found.recovery) };
         let bounces = gap <= 0.0 && speed < -LEAST_BOUNCE;
-        let guess = self.known.iter().find(|(key, _)| *key == found.key);
         let mut contact = Contact {
             point,
             normal,
@@ -74,7 +73,7 @@ impl ArticulatedRobot {
             first,
             second,
             drift: if second.is_some() { Vector3::zeros() } else { found.drift },
-            impulse: guess.map_or_else(Vector3::zeros, |(_, impulse)| *impulse),
+            impulse: found.start,
         };
         self.free_roller(found, &mut contact, velocity, time_step);
         if let Some(tread) = self.compiled.surfaces[found.key.surface].tread {
@@ -84,7 +83,7 @@ impl ArticulatedRobot {
     }
 
     /// Returns the link that a contact pushes.
-    fn link_of(&self, found: &CandidateContact) -> usize {
+    pub(super) fn link_of(&self, found: &CandidateContact) -> usize {
         let surface = &self.compiled.surfaces[found.key.surface];
         let (Form::Rollers(ring), Some(roller)) = (surface.form, found.touch.roller) else { return surface.link };
         self.compiled.rings[ring].first_link.map_or(surface.link, |first| first + roller.index)
@@ -167,8 +166,8 @@ impl ArticulatedRobot {
         let is_near = |key: &Key| key.surface == found.key.surface;
         let of_last = |is: &dyn Fn(&Key) -> bool| {
             let bent = self.deflections.iter().find(|(key, _)| is(key))?;
-            let (_, impulse) = self.known.iter().find(|(key, _)| *key == bent.0)?;
-            Some((bent.1, *impulse))
+            let known = self.known.iter().find(|known| known.key == bent.0)?;
+            Some((bent.1, known.impulse))
         };
         let Some((deflection, impulse)) = of_last(&is_own).or_else(|| of_last(&is_near)) else {
             return self.grips.push((found.key, Grip::rigid(&tread.tyre, friction)));

@@ -1,6 +1,6 @@
 //! Search for contacts of robots in reduced coordinates.
 
-use articulated::Body;
+use articulated::{Body, Contact};
 use nalgebra::{DMatrix, Vector3};
 use rapier3d::math::{Matrix, Pose as EnginePose};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
@@ -29,6 +29,8 @@ const NEAR: f64 = 0.1;
 pub(super) const MARGIN: f64 = 1e-6;
 /// Most contacts of two bodies, and of a body with everything fixed. The deepest are kept.
 const MAX_CONTACTS: [usize; 2] = [32, 128];
+/// Distance within which a contact of the same key is that of the last step, m.
+const SAME_CONTACT: f64 = 0.02;
 /// Cosine above which two normals belong to one surface.
 const SAME_SURFACE: f64 = 0.99;
 
@@ -38,6 +40,16 @@ pub(super) struct Key {
     pub(super) surface: usize,
     pub(super) other: (Peer, usize),
     pub(super) number: usize,
+}
+
+/// A contact of the last step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Known {
+    pub(super) key: Key,
+    /// Impulse on the first surface, N s.
+    pub(super) impulse: Vector3<f64>,
+    /// Contact point, m.
+    pub(super) point: Vector3<f64>,
 }
 
 /// The owner of the other surface of a contact.
@@ -55,6 +67,8 @@ pub(super) struct CandidateContact {
     pub(super) key: Key,
     pub(super) counterpart: Counterpart,
     pub(super) touch: Touch,
+    /// Impulse of the last step there, N s.
+    pub(super) start: Vector3<f64>,
     /// Velocity of the other surface at the contact, m/s, if it is that of a conveyor or of a held body.
     pub(super) drift: Vector3<f64>,
     /// Coefficients of the pair: friction, restitution and rolling resistance.
@@ -314,6 +328,41 @@ impl ArticulatedRobot {
     }
 }
 
+/// Contacts of the last step as starts of this one.
+impl ArticulatedRobot {
+    /// Stores the contacts of a step, in the order in which they were found.
+    pub(super) fn remember(&mut self, found: &[CandidateContact], contacts: &[Contact]) {
+        let known = found.iter().zip(contacts);
+        self.known.extend(known.map(|(it, &Contact { impulse, point, .. })| Known { key: it.key, impulse, point }));
+    }
+
+    /// Gives each contact the impulse that it had in the last step. In a system of several bodies tangents remember by it, so nothing is
+    /// lost: the impulse of a contact that went, or that is another one under the same key, goes to the nearest contact with the same body.
+    pub(super) fn recall(&self, found: &mut [CandidateContact], is_alone: bool) {
+        if is_alone {
+            for it in found.iter_mut() {
+                let own = self.known.iter().find(|known| known.key == it.key);
+                it.start = own.map_or_else(Vector3::zeros, |known| known.impulse);
+            }
+            return;
+        }
+        for (place, Known { key, impulse, point }) in self.known.iter().enumerate() {
+            let away = |it: &CandidateContact| (it.touch.point - point).norm_squared();
+            let is_same = |it: &CandidateContact| it.key == *key && away(it) < SAME_CONTACT * SAME_CONTACT;
+            // Most contacts stay, in the same order.
+            let heir = if found.get(place).is_some_and(is_same) {
+                found.get_mut(place)
+            } else {
+                let with_it = found.iter_mut().filter(|it| it.key.other.0 == key.other.0);
+                with_it.min_by(|one, other| away(one).total_cmp(&away(other)))
+            };
+            if let Some(it) = heir {
+                it.start += impulse;
+            }
+        }
+    }
+}
+
 /// Adds the contacts of a robot with robots of the engine. Returns the numbers of the latter.
 pub(super) fn touch_engine(
     world: &PhysicsWorld,
@@ -394,6 +443,9 @@ pub(super) fn touch_each_other(
             let (robot, surface) = (&*robots[first], &robots[first].compiled.surfaces[index]);
             let its = &robots[second].compiled.surfaces[its_index];
             let prediction = at.prediction + its_at.prediction;
+            if prediction <= MAX_PREDICTION && are_apart((surface, at), (its, its_at), prediction) {
+                continue;
+            }
             let motion = at.motion - its_at.motion;
             let target = Target { shape: its.shape.as_ref(), pose: &its_at.pose, is_fixed: false };
             robot.meet(surface, at, &target, prediction, motion, &mut met);
@@ -408,6 +460,17 @@ pub(super) fn touch_each_other(
         }
     }
     keep_deepest(found, MAX_CONTACTS[0], |(_, it)| it.touch.gap);
+}
+
+/// True if the bounding boxes of two surfaces, each in its own axes, are farther apart than a distance along one of these axes, m.
+fn are_apart((one, at): (&Surface, &Placed), (other, its_at): (&Surface, &Placed), distance: f64) -> bool {
+    let between = its_at.pose.inv_mul(&at.pose);
+    let turn = Matrix::from_quat(between.rotation);
+    let reach = Matrix::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs());
+    let (half, its_half) = (one.around.half_extents(), other.around.half_extents());
+    let way = between * one.around.center() - other.around.center();
+    let along = |way: Vector, half: Vector, its_half: Vector| (way.abs() - half - its_half).max_element() > distance;
+    along(way, reach * half, its_half) || along(turn.transpose() * way, half, reach.transpose() * its_half)
 }
 
 impl Form {
@@ -443,9 +506,6 @@ impl Pair {
         let resistance = surface.material.pair_rolling_resistance(other);
         Self { friction, restitution, resistance, recovery: surface.recovery() }
     }
-            if prediction <= MAX_PREDICTION && are_apart((surface, at), (its, its_at), prediction) {
-                continue;
-            }
 }
 
 /// Turns the contacts found for a pair into `CandidateContact` entries. Their keys differ from `key` in the contact's number.
@@ -455,6 +515,7 @@ fn add(met: &mut Vec<Touch>, key: Key, counterpart: Counterpart, pair: &Pair, fo
         key: Key { number, ..key },
         counterpart,
         touch,
+        start: Vector3::zeros(),
         drift: Vector3::zeros(),
         friction,
         restitution,
@@ -462,17 +523,6 @@ fn add(met: &mut Vec<Touch>, key: Key, counterpart: Counterpart, pair: &Pair, fo
         recovery,
     }));
 }
-/// True if the bounding boxes of two surfaces, each in its own axes, are farther apart than a distance along one of these axes, m.
-fn are_apart((one, at): (&Surface, &Placed), (other, its_at): (&Surface, &Placed), distance: f64) -> bool {
-    let between = its_at.pose.inv_mul(&at.pose);
-    let turn = Matrix::from_quat(between.rotation);
-    let reach = Matrix::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs());
-    let (half, its_half) = (one.around.half_extents(), other.around.half_extents());
-    let way = between * one.around.center() - other.around.center();
-    let along = |way: Vector, half: Vector, its_half: Vector| (way.abs() - half - its_half).max_element() > distance;
-    along(way, reach * half, its_half) || along(turn.transpose() * way, half, reach.transpose() * its_half)
-}
-
 
 impl OfEngine {
     /// Builds the body of a robot of the engine as its contacts see it in the coming step. `None` before the robot's first step.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::motor::Servo;
 use super::super::rolling::Load;
-use super::finding::Key;
+use super::finding::{Key, Known};
 use super::object::Sleep;
 use super::tyre::Deflection;
 use super::{ArticulatedRobot, MovableObject};
@@ -26,6 +26,9 @@ pub(crate) struct SavedTree {
     contacts: Vec<(Option<usize>, Contact)>,
     flies: bool,
     known: Vec<(Key, Vector3<f64>)>,
+    /// Points of the known contacts, m. Files from before robots remembered them have none.
+    #[serde(default)]
+    known_points: Vec<Vector3<f64>>,
     /// Deflections of tyres, m.
     #[serde(default)]
     deflections: Vec<(Key, Deflection)>,
@@ -56,7 +59,8 @@ impl ArticulatedRobot {
             resistances: self.resistances.clone(),
             contacts: self.contacts.iter().map(|&contact| (contact.wheel, contact)).collect(),
             flies: self.flies,
-            known: self.known.clone(),
+            known: self.known.iter().map(|known| (known.key, known.impulse)).collect(),
+            known_points: self.known.iter().map(|known| known.point).collect(),
             deflections: self.deflections.clone(),
         }
     }
@@ -81,7 +85,13 @@ impl ArticulatedRobot {
             self.resistances = saved.resistances;
             self.contacts = saved.contacts.into_iter().map(|(wheel, contact)| Contact { wheel, ..contact }).collect();
             self.flies = saved.flies;
-            self.known = saved.known;
+            let points = saved.known_points.into_iter().chain(std::iter::repeat(Vector3::zeros()));
+            self.known = saved
+                .known
+                .into_iter()
+                .zip(points)
+                .map(|((key, impulse), point)| Known { key, impulse, point })
+                .collect();
             self.deflections = saved.deflections;
             self.forget_near();
         }
