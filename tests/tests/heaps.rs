@@ -94,7 +94,7 @@ fn a_tower_of_ten_boxes_stands_until_a_robot_drives_into_it() {
     }
 }
 
-/// What friction locks in as the robot runs into the tower does not hold it there.
+/// Friction of the impact does not hold the robot at the tower.
 #[test]
 fn a_robot_that_runs_into_a_tower_drives_on() {
     for (time_step, speed) in [(0.002, 4), (0.004, 6), (0.008, 8)] {

@@ -68,7 +68,7 @@ const WORLDS: [Golden; 5] = [
             (3, "CONTROL {Type Create} {ClassName WCPallet} {Name lift} {Location 0,-1.2,-0.2} {Rotation 0,0,0.3}"),
             (3, "CONTROL {Type Rotate} {Name lift} {Speed 0,0,0.7}"),
         ],
-        digest: 0x87fe_e690_c4ea_5919,
+        digest: 0x7933_ed96_ca13_c58f,
     },
     Golden {
         name: "cars and flight",

@@ -17,6 +17,8 @@ const SAME_HEIGHT: f64 = 1e-7;
 const ROUNDS: usize = 4;
 /// Iterations of the search for the nearest disc. They narrow a width of 0.1 m to a tenth of a millimetre.
 const HALVINGS: usize = 15;
+/// Most tangents in the search for the disc nearest to a shape that moves.
+const TANGENTS: usize = 8;
 /// Part of a disc's radius, inward from the rim, that is treated as round.
 const RIM: f64 = 0.25;
 /// Cosine of a normal with the axle below which the plane of a disc is at right angles to a face.
@@ -190,8 +192,13 @@ impl Wheel {
         let gap = |edge: &Disc| edge.touch.map_or(f64::INFINITY, |touch| touch.gap);
         let least = edges.iter().map(gap).fold(prediction, f64::min);
         let at = |along: f64| Some(disc(along, self.plane_under(along, normal, &nearest)?));
-        let may_be_nearer = !is_fixed || self.least_between(&edges) < least - SAME_HEIGHT;
-        let between = may_be_nearer.then(|| self.nearest_disc(at)).flatten();
+        let between = if !is_fixed {
+            self.nearest_by_slope(&edges, least - SAME_HEIGHT, at)
+        } else if self.least_between(&edges) < least - SAME_HEIGHT {
+            self.nearest_disc(at)
+        } else {
+            None
+        };
         let between = between.filter(|between| between.gap < least - SAME_HEIGHT);
         let is_near = |touch: &Touch| {
             if is_fixed { self.is_near(touch, prediction) } else { touch.gap <= prediction }
@@ -224,6 +231,37 @@ impl Wheel {
             // A shape that no disc reaches at the edges is no nearer than their distance less the width.
             (None, None) => edges.iter().map(|edge| edge.distance - width).fold(f64::INFINITY, f64::min),
         }
+    }
+
+    /// Returns the contact of the nearest disc between the edges, if its gap is below a value, m. Each disc has a contact here, which tells the
+    /// slope of the gap along the axle. The gap is convex, so it lies above its tangents, and where the two nearest to the minimum meet is
+    /// the next guess.
+    fn nearest_by_slope(&self, edges: &[Disc; 2], below: f64, at: impl Fn(f64) -> Option<Disc>) -> Option<Touch> {
+        let line = |along: f64, touch: Touch| (along, touch.gap, touch.normal.dot(&self.axle));
+        let mut low = line(-self.half_width, edges[0].touch?);
+        let mut high = line(self.half_width, edges[1].touch?);
+        let (mut nearest, mut below) = (None, below);
+        for _ in 0..TANGENTS {
+            let ((from, gap, falls), (to, other, rises)) = (low, high);
+            if falls >= 0.0 || rises <= 0.0 {
+                break;
+            }
+            let along = (other - gap + falls * from - rises * to) / (falls - rises);
+            if gap + falls * (along - from) >= below {
+                break;
+            }
+            let touch = at(along)?.touch?;
+            let tangent = line(along, touch);
+            if tangent.2 < 0.0 {
+                low = tangent
+            } else {
+                high = tangent
+            }
+            if touch.gap < below {
+                (nearest, below) = (Some(touch), touch.gap - SAME_HEIGHT);
+            }
+        }
+        nearest
     }
 
     /// Returns the contact of the nearest disc. The gap to a convex shape is a convex function of the place on the axle, so a golden
