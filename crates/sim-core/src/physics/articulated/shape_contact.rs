@@ -90,7 +90,7 @@ pub(super) fn touches(own: &Surface, own_pose: &EnginePose, target: &Target, pre
             }
         }
     }
-    if is_side && (is_fixed || !on_side(own, own_pose, other, other_pose, prediction, found)) {
+    if is_side && (is_fixed || !on_side(own, own_pose, target, prediction, found)) {
         on_solid(own, own_pose, other, other_pose, prediction, found);
     }
 }
@@ -100,14 +100,8 @@ pub(super) fn touches(own: &Surface, own_pose: &EnginePose, target: &Target, pre
 /// The engine looks for the depth of an overlap by expanding a polytope, which takes several times as long as to find the distance of shapes
 /// apart. The normal is about that at the hub. So the wheel is lifted along it until the shapes are apart, and comes back by what it was
 /// lifted.
-fn on_side(
-    own: &Surface,
-    own_pose: &EnginePose,
-    other: &dyn Shape,
-    other_pose: &EnginePose,
-    prediction: f64,
-    found: &mut Vec<Touch>,
-) -> bool {
+fn on_side(own: &Surface, own_pose: &EnginePose, target: &Target, prediction: f64, found: &mut Vec<Touch>) -> bool {
+    let &Target { shape: other, pose: other_pose, .. } = target;
     let pose = other_pose.inv_mul(own_pose);
     let (Some((features, 0.0)), Some((its_features, 0.0)), Some((_, away))) =
         (own.shape.as_polygonal_feature_map(), other.as_polygonal_feature_map(), distance(other, pose.translation))
