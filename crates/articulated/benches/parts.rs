@@ -53,6 +53,7 @@ fn contacts(body: &Body, rollers: usize) -> Vec<Contact> {
             drift: Vector3::zeros(),
             second: None,
             impulse: Vector3::zeros(),
+            memory: Vector3::zeros(),
         }
     };
     (0..4).map(on_ground).collect()

@@ -48,6 +48,7 @@
 //!         second: None,
 //!         drift: zero,
 //!         impulse: zero,
+//!         memory: zero,
 //!     };
 //!     let outcome = step(&mut [&mut body], std::slice::from_mut(&mut contact), &mut [], time_step, &mut workspace);
 //!     assert!(outcome.is_settled);

@@ -8,13 +8,8 @@ use crate::{Body, Drive, factor, inertia, root};
 /// Share of a tangent's own response that is added to it. Nearly equal contacts of one body need it for a unique answer.
 const SOFTNESS: f64 = 1e-6;
 /// Share that is added in a system of several bodies. It makes Newton's method converge in heaps, where many contacts hold each other up: it
-/// alternates less between holding and sliding. In motion a tangent creeps by a tenth of the velocity that its friction stops in a step, 1 mm/s
-/// at most in steps of 2 ms. Between bodies that are [`STILL`] it gives way by the change of its impulse alone, so nothing creeps at rest.
+/// alternates less between holding and sliding. A tangent gives way by the difference to the impulse that it remembers.
 const SOFTNESS_TOGETHER: f64 = 1e-1;
-
-/// Speed below which a body hardly moves: the root of the sum of the squares of its root's speeds, in m/s and rad/s. A body that moves has no
-/// memory, as the friction that an impact locks in would hold it: a robot that ran into a tower would lean there on its bumper.
-const STILL: f64 = 0.01;
 
 /// Least compliance of a row, m/s per N s. A contact of a robot that is fixed to the ground may have a direction in which nothing moves.
 const LEAST_COMPLIANCE: f64 = 1e-10;
@@ -62,8 +57,11 @@ pub struct Contact {
     pub second: Option<Side>,
     /// Velocity of the world's surface at the contact, m/s, in world axes; zero if the second side is a body.
     pub drift: Vector3<f64>,
-    /// Impulse on the first side, N s: that of the last step before a step, or zero, and the result after it.
+    /// Impulse on the first side, N s: a guess before a step, the result after it.
     pub impulse: Vector3<f64>,
+    /// Impulse that the tangents remember, N s: that of the last step if the contact is not new. Among several bodies they give way by the
+    /// difference to it, so a load that stays does not make them creep.
+    pub memory: Vector3<f64>,
 }
 
 /// A row of a joint besides its servo: an end, dry friction or a coupling. Also a row that makes a root follow a velocity.
@@ -124,7 +122,7 @@ pub struct Workspace {
     problem: Problem,
     sparse: SparseProblem,
     impulses: Vec<f64>,
-    /// Impulses of the contacts between still bodies in the last step, by row; otherwise 0.
+    /// Impulses that the contacts remember, by row.
     memory: Vec<f64>,
     /// Change of every body's velocity by the impulses, multiplied by L.
     change: Vec<f64>,
@@ -164,7 +162,7 @@ pub fn step(
     bodies.iter_mut().for_each(|body| body.prepare(time_step, &mut workspace.inertia));
     let (mut total, mut passes) = (Outcome::default(), 0);
     loop {
-        let outcome = workspace.solve(bodies, contacts, joints, passes == 0);
+        let outcome = workspace.solve(bodies, contacts, joints);
         total.sweeps += outcome.sweeps;
         total.newton_steps += outcome.newton_steps;
         total.work += outcome.work;
@@ -196,11 +194,6 @@ pub fn step(
 }
 
 impl Body {
-    /// True if the root hardly moves; of a fixed root, its first joints.
-    fn is_still(&self) -> bool {
-        self.velocity.iter().take(root::DOFS).map(|speed| speed * speed).sum::<f64>() < STILL * STILL
-    }
-
     /// Converts servos that would exceed their limits at the free speeds to rows. A row has its servo's compliance and limit. `number` is
     /// the body's number in the system.
     fn limit_servos(&mut self, number: usize, time_step: f64, limited: &mut Vec<JointRow>) {
@@ -270,30 +263,15 @@ fn add_change<const ROWS: usize>(chain: &[usize], entries: &[[f64; 3]], impulses
 
 impl Workspace {
     /// Finds the impulse on every row, and stores the velocities at the end of the step in the bodies' `free`.
-    fn solve(
-        &mut self,
-        bodies: &mut [&mut Body],
-        contacts: &[Contact],
-        joints: &[JointRow],
-        is_first: bool,
-    ) -> Outcome {
+    fn solve(&mut self, bodies: &mut [&mut Body], contacts: &[Contact], joints: &[JointRow]) -> Outcome {
         self.blocks.clear();
         self.entries.clear();
         self.compliance.clear();
         self.impulses.clear();
+        self.memory.clear();
         self.problem.right_side.clear();
         self.problem.constraints.clear();
         contacts.iter().for_each(|contact| self.add_contact(bodies, contact));
-        if is_first {
-            // Later passes start from the answer of the one before.
-            self.memory.clone_from(&self.impulses);
-            for (contact, block) in contacts.iter().zip(&self.blocks) {
-                let is_still = |side: Side| bodies[side.body].is_still();
-                if !is_still(contact.first) || contact.second.is_some_and(|second| !is_still(second)) {
-                    self.memory[block.row..][..block.rows].fill(0.0);
-                }
-            }
-        }
         joints.iter().for_each(|joint| self.add_joint(bodies, joint));
         let limited = std::mem::take(&mut self.limited);
         limited.iter().for_each(|servo| self.add_joint(bodies, servo));
@@ -448,6 +426,7 @@ impl Workspace {
             self.problem.right_side.push(targets[number] + direction.dot(&contact.drift) - velocity[number]);
             self.compliance.push(contact.compliance[number]);
             self.impulses.push(contact.impulse.dot(direction));
+            self.memory.push(contact.memory.dot(direction));
         }
         self.problem.constraints.push(Constraint::Contact { friction: contact.friction, tangents });
     }

@@ -227,6 +227,7 @@ fn a_skid_robot_turns_on_the_spot_by_coulombs_friction() {
                     second: None,
                     drift: Vector3::zeros(),
                     impulse: impulses[wheel],
+                    memory: Vector3::zeros(),
                 });
             }
             let outcome = step(&mut [&mut body], &mut contacts, &mut [], time_step, &mut Workspace::default());

@@ -68,7 +68,7 @@ const WORLDS: [Golden; 5] = [
             (3, "CONTROL {Type Create} {ClassName WCPallet} {Name lift} {Location 0,-1.2,-0.2} {Rotation 0,0,0.3}"),
             (3, "CONTROL {Type Rotate} {Name lift} {Speed 0,0,0.7}"),
         ],
-        digest: 0x7933_ed96_ca13_c58f,
+        digest: 0x8a52_8cbc_4fbd_08bc,
     },
     Golden {
         name: "cars and flight",

@@ -23,6 +23,9 @@ const RECOVERY_TIME: f64 = 0.02;
 /// Largest speed at which an overlap is pushed out, m/s: of roots, wheels and tracks, and of other links. These are light, and far from
 /// their joints they would be thrown.
 const MAX_RECOVERY: [f64; 2] = [1.0, 0.25];
+/// Age at which a contact remembers all of its last impulse, s. Friction that an impact locks in is gone before: a robot that ran into a tower
+/// would lean there on its bumper for ever. Until then a load creeps by up to a tenth of the velocity that friction stops in a step.
+const MEMORY_TIME: f64 = 0.1;
 /// Approach speed below which nothing bounces, m/s.
 const LEAST_BOUNCE: f64 = 0.2;
 /// Speed of a rim below which a tyre stands, m/s: then its force acts in the middle of its patch.
@@ -74,6 +77,7 @@ impl ArticulatedRobot {
             second,
             drift: if second.is_some() { Vector3::zeros() } else { found.drift },
             impulse: found.start,
+            memory: found.start * (found.age / MEMORY_TIME).min(1.0),
         };
         self.free_roller(found, &mut contact, velocity, time_step);
         if let Some(tread) = self.compiled.surfaces[found.key.surface].tread {

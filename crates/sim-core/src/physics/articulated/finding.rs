@@ -50,6 +50,8 @@ pub(super) struct Known {
     pub(super) impulse: Vector3<f64>,
     /// Contact point, m.
     pub(super) point: Vector3<f64>,
+    /// Time since it came, s.
+    pub(super) age: f64,
 }
 
 /// The owner of the other surface of a contact.
@@ -69,6 +71,8 @@ pub(super) struct CandidateContact {
     pub(super) touch: Touch,
     /// Impulse of the last step there, N s.
     pub(super) start: Vector3<f64>,
+    /// Time since it came, s.
+    pub(super) age: f64,
     /// Velocity of the other surface at the contact, m/s, if it is that of a conveyor or of a held body.
     pub(super) drift: Vector3<f64>,
     /// Coefficients of the pair: friction, restitution and rolling resistance.
@@ -331,22 +335,25 @@ impl ArticulatedRobot {
 /// Contacts of the last step as starts of this one.
 impl ArticulatedRobot {
     /// Stores the contacts of a step, in the order in which they were found.
-    pub(super) fn remember(&mut self, found: &[CandidateContact], contacts: &[Contact]) {
+    pub(super) fn remember(&mut self, found: &[CandidateContact], contacts: &[Contact], time_step: f64) {
         let known = found.iter().zip(contacts);
-        self.known.extend(known.map(|(it, &Contact { impulse, point, .. })| Known { key: it.key, impulse, point }));
+        self.known.extend(known.map(|(it, &Contact { impulse, point, .. })| {
+            let age = it.age + time_step;
+            Known { key: it.key, impulse, point, age }
+        }));
     }
 
-    /// Gives each contact the impulse that it had in the last step. In a system of several bodies tangents remember by it, so nothing is
+    /// Gives each contact the impulse that it had in the last step. In a system of several bodies tangents remember it, so nothing is
     /// lost: the impulse of a contact that went, or that is another one under the same key, goes to the nearest contact with the same body.
     pub(super) fn recall(&self, found: &mut [CandidateContact], is_alone: bool) {
         if is_alone {
             for it in found.iter_mut() {
                 let own = self.known.iter().find(|known| known.key == it.key);
-                it.start = own.map_or_else(Vector3::zeros, |known| known.impulse);
+                (it.start, it.age) = own.map_or_else(Default::default, |known| (known.impulse, known.age));
             }
             return;
         }
-        for (place, Known { key, impulse, point }) in self.known.iter().enumerate() {
+        for (place, Known { key, impulse, point, age }) in self.known.iter().enumerate() {
             let away = |it: &CandidateContact| (it.touch.point - point).norm_squared();
             let is_same = |it: &CandidateContact| it.key == *key && away(it) < SAME_CONTACT * SAME_CONTACT;
             // Most contacts stay, in the same order.
@@ -358,6 +365,7 @@ impl ArticulatedRobot {
             };
             if let Some(it) = heir {
                 it.start += impulse;
+                it.age = it.age.max(*age);
             }
         }
     }
@@ -516,6 +524,7 @@ fn add(met: &mut Vec<Touch>, key: Key, counterpart: Counterpart, pair: &Pair, fo
         counterpart,
         touch,
         start: Vector3::zeros(),
+        age: 0.0,
         drift: Vector3::zeros(),
         friction,
         restitution,

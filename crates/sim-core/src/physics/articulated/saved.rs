@@ -26,9 +26,9 @@ pub(crate) struct SavedTree {
     contacts: Vec<(Option<usize>, Contact)>,
     flies: bool,
     known: Vec<(Key, Vector3<f64>)>,
-    /// Points of the known contacts, m. Files from before robots remembered them have none.
+    /// Points of the known contacts, m, and their ages, s. Files from before robots remembered them have none.
     #[serde(default)]
-    known_points: Vec<Vector3<f64>>,
+    known_points: Vec<(Vector3<f64>, f64)>,
     /// Deflections of tyres, m.
     #[serde(default)]
     deflections: Vec<(Key, Deflection)>,
@@ -60,7 +60,7 @@ impl ArticulatedRobot {
             contacts: self.contacts.iter().map(|&contact| (contact.wheel, contact)).collect(),
             flies: self.flies,
             known: self.known.iter().map(|known| (known.key, known.impulse)).collect(),
-            known_points: self.known.iter().map(|known| known.point).collect(),
+            known_points: self.known.iter().map(|known| (known.point, known.age)).collect(),
             deflections: self.deflections.clone(),
         }
     }
@@ -85,12 +85,12 @@ impl ArticulatedRobot {
             self.resistances = saved.resistances;
             self.contacts = saved.contacts.into_iter().map(|(wheel, contact)| Contact { wheel, ..contact }).collect();
             self.flies = saved.flies;
-            let points = saved.known_points.into_iter().chain(std::iter::repeat(Vector3::zeros()));
+            let points = saved.known_points.into_iter().chain(std::iter::repeat((Vector3::zeros(), 0.0)));
             self.known = saved
                 .known
                 .into_iter()
                 .zip(points)
-                .map(|((key, impulse), point)| Known { key, impulse, point })
+                .map(|((key, impulse), (point, age))| Known { key, impulse, point, age })
                 .collect();
             self.deflections = saved.deflections;
             self.forget_near();

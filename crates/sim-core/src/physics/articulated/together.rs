@@ -383,7 +383,7 @@ impl Step<'_> {
             let (own, rest) = contacts.split_at(found.len());
             contacts = rest;
             robot.note_treads(&found, own, self.time_step);
-            robot.remember(&found, own);
+            robot.remember(&found, own, self.time_step);
             let (own_joints, rest) = joints.split_at(joints.partition_point(|row| row.body <= body));
             joints = rest;
             robot.note_joints(own_joints, self.time_step);
