@@ -10,8 +10,9 @@ use crate::sparse_newton::Newton;
 
 /// Residual above which the last step's impulses are no start for Newton's method, relative to the scale.
 const NEAR: f64 = 1e-3;
-/// Sweeps from a worse start before the first try of Newton's method. They find most of the contacts that came or left.
-const FIRST_SWEEPS: usize = 4;
+/// Sweeps from a worse start before the first try of Newton's method, of several bodies and of one. They find most of the contacts that came or
+/// left.
+const FIRST_SWEEPS: [usize; 2] = [4, 8];
 /// Sweeps after the first failed try. They double after each further one.
 const SWEEPS: usize = 5;
 /// Accuracy of the friction of a contact in a sweep, if its exact solution is needed.
@@ -20,9 +21,13 @@ const ACCURACY: f64 = 1e-3;
 const STILL: f64 = 1e-5;
 /// Newton steps after which [`Effort::enough`] counts as settled.
 const GOOD_STEPS: usize = 3;
-/// Most Newton steps of a try.
+/// Share of each Newton step that is taken, and most steps, in the first try with one body.
+const FIRST_TRY: [(f64, usize); 1] = [(1.0, 8)];
+/// Shares and most steps of later tries with one body.
+const TRIES: [(f64, usize); 3] = [(1.0, 20), (0.7, 40), (0.4, 40)];
+/// Most Newton steps of a try with several bodies.
 const STEPS: usize = 16;
-/// Newton steps of a try that are taken whole. Then every other one is damped, which ends most cycles of contacts that alternate between holding
+/// Newton steps of such a try that are taken whole. Then every other one is damped, which ends most cycles of contacts that alternate between holding
 /// and sliding.
 const WHOLE_STEPS: usize = 5;
 /// Share of a damped step that is taken.
@@ -118,18 +123,52 @@ impl Search<'_> {
         if self.judge(false) {
             return;
         }
+        let is_lone = self.problem.bodies.len() == 2;
         if self.outcome.residual > NEAR {
-            self.sweep(FIRST_SWEEPS);
+            self.sweep(FIRST_SWEEPS[usize::from(is_lone)]);
         }
+        if is_lone {
+            self.search_lone();
+        } else {
+            self.search_heap();
+        }
+    }
+
+    /// Searches for the impulses of several bodies.
+    fn search_heap(&mut self) {
+        let is_damped = |step: usize| step >= WHOLE_STEPS && (step - WHOLE_STEPS).is_multiple_of(2);
         let mut sweeps = SWEEPS;
-        while !self.newton() {
-            let best = std::mem::take(&mut self.workspace.best);
-            self.go_to(&best);
-            self.workspace.best = best;
-            self.judge(false);
-            self.sweep(sweeps);
+        while !self.newton(STEPS, |step| if is_damped(step) { DAMPED } else { 1.0 }) {
+            self.sweep_best(sweeps);
             sweeps *= 2;
         }
+    }
+
+    /// Searches for the impulses of one body, whose contacts are stiffer. All tries after sweeps start from the same impulses.
+    fn search_lone(&mut self) {
+        let mut tries = FIRST_TRY.as_slice();
+        let mut sweeps = SWEEPS;
+        loop {
+            let start = self.workspace.impulses.clone();
+            let is_over = tries.iter().any(|&(share, most)| {
+                self.go_to(&start);
+                self.newton(most, |_| share)
+            });
+            if is_over {
+                return;
+            }
+            self.sweep_best(sweeps);
+            (tries, sweeps) = (TRIES.as_slice(), 2 * sweeps);
+        }
+    }
+
+    /// Sweeps from the best impulses so far.
+    fn sweep_best(&mut self, sweeps: usize) {
+        let best = std::mem::take(&mut self.workspace.best);
+        self.go_to(&best);
+        self.workspace.best = best;
+        self.judge(false);
+        self.sweep(sweeps);
     }
 
     /// Sets the present impulses and their coordinates.
@@ -173,13 +212,14 @@ impl Search<'_> {
         outcome.is_settled || outcome.work >= self.effort.budget
     }
 
-    /// Tries Newton's method from the present impulses. Returns true if the search is over.
-    fn newton(&mut self) -> bool {
+    /// Tries Newton's method from the present impulses, in at most `most` steps, of each of which a share is taken. Returns true if the search
+    /// is over.
+    fn newton(&mut self, most: usize, share: impl Fn(usize) -> f64) -> bool {
         for step in 0.. {
             if self.judge(step > 0) {
                 return true;
             }
-            if step == STEPS {
+            if step == most {
                 break;
             }
             self.choose();
@@ -189,8 +229,7 @@ impl Search<'_> {
                 self.tolerance = self.tolerance.max(self.effort.enough / self.scale);
             }
             let work = &mut self.outcome.work;
-            let is_damped = step >= WHOLE_STEPS && (step - WHOLE_STEPS).is_multiple_of(2);
-            let share = if is_damped { DAMPED } else { 1.0 };
+            let share = share(step);
             if !newton.step(self.problem, rows, moves, velocities, share, impulses, coordinates, work) {
                 break;
             }
