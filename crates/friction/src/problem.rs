@@ -24,33 +24,44 @@ impl Constraint {
         }
     }
 
-    /// Computes the residual of the constraint, as velocities, m/s. The slices begin at its first row. `own` is the velocity that an
-    /// impulse of 1 N s gives on its own row, for the constraint's rows alone; then come the impulses and the residual velocities.
+    /// Returns the inverse of the least response of the tangents; 0 without tangents. With the responses of all rows, m/s for 1 N s.
+    pub(crate) fn grip(self, own: &[f64; 3]) -> f64 {
+        let tangents = &own[1..self.rows()];
+        if tangents.is_empty() { 0.0 } else { 1.0 / tangents.iter().copied().fold(f64::INFINITY, f64::min) }
+    }
+
+    /// Computes the squares of the residual's two parts, (m/s)²: of the normal and of the tangents. That of a contact that holds needs no root.
+    /// `own` is the velocity that an impulse of 1 N s gives on its own row, and `grip` is [`Self::grip`]. Then come the impulses and the
+    /// residual velocities. Missing rows have zeros.
     #[inline]
-    pub(crate) fn residual(self, own: &[f64], impulse: &[f64], velocity: &[f64]) -> Residual {
+    pub(crate) fn squared_residual(
+        self,
+        own: &[f64; 3],
+        grip: f64,
+        impulse: &[f64; 3],
+        velocity: &[f64; 3],
+    ) -> [f64; 2] {
         match self {
             Self::Within(most) => {
                 let wanted = (impulse[0] - velocity[0] / own[0]).clamp(-most, most);
-                Residual { normal: 0.0, tangent: (impulse[0] - wanted).abs() * own[0] }
+                [0.0, ((impulse[0] - wanted) * own[0]).powi(2)]
             }
             Self::Contact { friction, tangents } => {
                 // Impulses are scaled by their response to velocities. Complementarity: the smaller of the two must be 0.
-                let normal = (impulse[0] * own[0]).min(velocity[0]).abs();
+                let normal = (impulse[0] * own[0]).min(velocity[0]).powi(2);
                 if tangents == 0 {
-                    return Residual { normal, tangent: 0.0 };
+                    return [normal, 0.0];
                 }
                 // The tangent impulse is the projection onto its disc of itself less the slip (De Saxcé).
                 let most = friction * impulse[0].max(0.0);
-                if tangents == 1 {
-                    let wanted = (impulse[1] - velocity[1] / own[1]).max(-most).min(most);
-                    return Residual { normal, tangent: (impulse[1] - wanted).abs() * own[1] };
+                let wanted = [1, 2].map(|row| impulse[row] - velocity[row] * grip);
+                let squared = wanted[0] * wanted[0] + wanted[1] * wanted[1];
+                if squared <= most * most {
+                    return [normal, velocity[1] * velocity[1] + velocity[2] * velocity[2]];
                 }
-                let own = own[1..].iter().copied().fold(f64::INFINITY, f64::min);
-                let wanted = |row: usize| impulse[row] - velocity[row] / own;
-                let length = (1..=tangents).map(|row| wanted(row).powi(2)).sum::<f64>().sqrt();
-                let share = if length > most { most / length } else { 1.0 };
-                let off = (1..=tangents).map(|row| (impulse[row] - wanted(row) * share).powi(2)).sum::<f64>();
-                Residual { normal, tangent: off.sqrt() * own }
+                let share = most / squared.sqrt();
+                let off = [1, 2].map(|row| impulse[row] - wanted[row - 1] * share);
+                [normal, (off[0] * off[0] + off[1] * off[1]) / (grip * grip)]
             }
         }
     }
@@ -142,15 +153,17 @@ impl Problem {
 
     /// Computes the residual of impulses whose residual velocity is known, with the unit of velocity.
     pub(crate) fn residual_at(&self, impulses: &[f64], velocity: &[f64], scale: f64) -> Residual {
-        let mut worst = Residual::default();
+        let mut worst = [0.0_f64; 2];
         for (row, constraint) in self.constraints() {
             let count = constraint.rows();
+            let of = |list: &[f64]| std::array::from_fn(|it| if it < count { list[row + it] } else { 0.0 });
             let own: [f64; 3] = std::array::from_fn(|it| if it < count { self.own(row + it) } else { 0.0 });
-            let Residual { normal, tangent } = constraint.residual(&own[..count], &impulses[row..], &velocity[row..]);
-            worst.normal = worst.normal.max(normal);
-            worst.tangent = worst.tangent.max(tangent);
+            let grip = constraint.grip(&own);
+            let squares = constraint.squared_residual(&own, grip, &of(impulses), &of(velocity));
+            worst.iter_mut().zip(squares).for_each(|(worst, square)| *worst = worst.max(square));
         }
-        Residual { normal: worst.normal / scale, tangent: worst.tangent / scale }
+        let [normal, tangent] = worst.map(|square| square.sqrt() / scale);
+        Residual { normal, tangent }
     }
 }
 

@@ -82,9 +82,8 @@ impl Rows {
             let ends = [entries.first(), entries.last()].map(|entry| entry.map_or(0, |(coordinate, _)| *coordinate));
             let bodies = ends.map(|coordinate| problem.bodies.partition_point(|&start| start <= coordinate) - 1);
             first += count;
-            let tangents = own[1..count].iter().copied();
-            let least_and_most = [tangents.clone().fold(f64::INFINITY, f64::min), tangents.fold(0.0, f64::max)];
-            let grip = if count > 1 { least_and_most.map(|own| 1.0 / own) } else { [0.0; 2] };
+            let most = own[1..count].iter().copied().fold(0.0, f64::max);
+            let grip = [constraint.grip(&own), if most > 0.0 { 1.0 / most } else { 0.0 }];
             Self { constraint, first: first - count, count, own, right_side, compliance, grip, bodies }
         }));
         problem.right_side.iter().fold(f64::MIN_POSITIVE, |most, right_side| most.max(right_side.abs()))
@@ -107,26 +106,9 @@ impl Rows {
         [1, 2].map(|row| impulse[row] - velocity[row] * self.grip[1])
     }
 
-    /// Returns the square of the residual of the constraint, (m/s)²: of the larger of [`crate::Residual`]'s two. That of a contact that
-    /// holds needs no root.
+    /// Returns the square of the residual of the constraint, (m/s)²: of the larger of [`crate::Residual`]'s two.
     pub(crate) fn squared_residual(&self, impulse: &[f64; 3], velocity: &[f64; 3]) -> f64 {
-        let Constraint::Contact { friction, tangents } = self.constraint else {
-            return self.constraint.residual(&self.own[..1], impulse, velocity).tangent.powi(2);
-        };
-        let normal = (impulse[0] * self.own[0]).min(velocity[0]);
-        if tangents == 0 {
-            return normal * normal;
-        }
-        let wanted = [1, 2].map(|row| impulse[row] - velocity[row] * self.grip[0]);
-        let most = friction * impulse[0].max(0.0);
-        let squared = wanted[0] * wanted[0] + wanted[1] * wanted[1];
-        let tangent = if squared <= most * most {
-            velocity[1] * velocity[1] + velocity[2] * velocity[2]
-        } else {
-            let share = most / squared.sqrt();
-            let off = [1, 2].map(|row| impulse[row] - wanted[row - 1] * share);
-            (off[0] * off[0] + off[1] * off[1]) / (self.grip[0] * self.grip[0])
-        };
-        (normal * normal).max(tangent)
+        let [normal, tangent] = self.constraint.squared_residual(&self.own, self.grip[0], impulse, velocity);
+        normal.max(tangent)
     }
 }

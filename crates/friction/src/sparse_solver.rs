@@ -27,8 +27,8 @@ const FIRST_TRY: [(f64, usize); 1] = [(1.0, 8)];
 const TRIES: [(f64, usize); 3] = [(1.0, 20), (0.7, 40), (0.4, 40)];
 /// Most Newton steps of a try with several bodies.
 const STEPS: usize = 16;
-/// Newton steps of such a try that are taken whole. Then every other one is damped, which ends most cycles of contacts that alternate between holding
-/// and sliding.
+/// Newton steps of such a try that are taken whole. Then every other one is damped, which ends most cycles of contacts that alternate between
+/// holding and sliding.
 const WHOLE_STEPS: usize = 5;
 /// Share of a damped step that is taken.
 const DAMPED: f64 = 0.6;
