@@ -251,12 +251,8 @@ impl Wheel {
                 break;
             }
             let touch = at(along)?.touch?;
-            let tangent = line(along, touch);
-            if tangent.2 < 0.0 {
-                low = tangent
-            } else {
-                high = tangent
-            }
+            let tangent @ (_, _, slope) = line(along, touch);
+            *(if slope < 0.0 { &mut low } else { &mut high }) = tangent;
             if touch.gap < below {
                 (nearest, below) = (Some(touch), touch.gap - SAME_HEIGHT);
             }
