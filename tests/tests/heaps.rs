@@ -28,6 +28,20 @@ fn tower(def: &mut WorldDef, count: u32, [x, y]: [f64; 2]) {
     }
 }
 
+/// Adds a slope of 0.1, 20 m long, that rises along x. Its middle is at a height, m.
+fn slope(def: &mut WorldDef, height: f64) {
+    let like = def.map.solids[0].clone();
+    let (shape, position) = (Shape::Box { size: [20.0, 4.0, 0.2] }, [0.0, 0.0, -height]);
+    def.map.solids.push(Solid { name: "slope".into(), shape, position, rotation: [0.0, 0.1, 0.0], ..like });
+}
+
+/// Steps a world until a time, s.
+fn run_until(world: &mut World, end: f64) {
+    while world.time() < end {
+        world.step();
+    }
+}
+
 fn fastest(world: &World) -> f64 {
     world.snapshot().robots.iter().map(|robot| robot.body.linear.norm()).fold(0.0, f64::max)
 }
@@ -109,9 +123,7 @@ fn a_robot_that_runs_into_a_tower_drives_on() {
         let mut world = World::new(def, Options { time_step, ..Options::default() });
         let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 0,0,0}");
         apply(&mut world, robot, &format!("DRIVE {{Left {speed}}} {{Right {speed}}}"));
-        while world.time() < 6.0 {
-            world.step();
-        }
+        run_until(&mut world, 6.0);
         let way = world.snapshot().robots[0].body.pose.translation.x;
         assert!(way > 1.0, "at {time_step} s and {speed} rad/s it is still at {way} m");
     }
@@ -122,21 +134,14 @@ fn a_robot_that_runs_into_a_tower_drives_on() {
 fn robots_parked_on_a_slope_in_contact_do_not_creep() {
     for time_step in [0.002, 0.008] {
         let mut def = def("rough");
-        let slope = Solid { rotation: [0.0, 0.1, 0.0], position: [0.0, 0.0, -1.0], ..def.map.solids[0].clone() };
-        def.map.solids.push(Solid { name: "slope".into(), shape: Shape::Box { size: [6.0, 4.0, 0.2] }, ..slope });
+        slope(&mut def, 1.0);
         let mut world = World::new(def, Options { time_step, ..Options::default() });
         let place = |x: f64| format!("INIT {{ClassName USARBot.P3AT}} {{Location {x},0,{}}}", -1.15 - 0.1 * x);
         let robots = [0.0, 0.8].map(|x| init(&mut world, &place(x)));
-        let seconds = |world: &mut World, seconds: f64| {
-            let end = world.time() + seconds;
-            while world.time() < end {
-                world.step();
-            }
-        };
         apply(&mut world, robots[0], "DRIVE {Left 2} {Right 2}");
-        seconds(&mut world, 3.0);
+        run_until(&mut world, 3.0);
         apply(&mut world, robots[0], "DRIVE {Left 0} {Right 0}");
-        seconds(&mut world, 10.0);
+        run_until(&mut world, 13.0);
         let places = |world: &World| -> Vec<Vector3<f64>> {
             world.snapshot().robots.iter().map(|robot| robot.body.pose.translation.vector).collect()
         };
@@ -144,7 +149,7 @@ fn robots_parked_on_a_slope_in_contact_do_not_creep() {
         let gap = (before[1] - before[0]).norm();
         assert!(gap < 0.58, "at {time_step} s they do not touch: {gap} m");
         assert!(before[1].z < before[0].z - 0.04, "at {time_step} s they are not on the slope: {before:?}");
-        seconds(&mut world, 20.0);
+        run_until(&mut world, 33.0);
         for (now, before) in places(&world).iter().zip(before) {
             let crept = (now - before).norm() * 180.0;
             assert!(crept < 1e-4, "at {time_step} s: {crept:.1e} m in an hour");
@@ -157,27 +162,21 @@ fn robots_parked_on_a_slope_in_contact_do_not_creep() {
 fn a_crate_on_a_robot_that_drives_does_not_creep() {
     for time_step in [0.002, 0.008] {
         let mut def = def("rough");
-        let slope = Solid { rotation: [0.0, 0.1, 0.0], position: [0.0, 0.0, -2.0], ..def.map.solids[0].clone() };
-        def.map.solids.push(Solid { name: "slope".into(), shape: Shape::Box { size: [20.0, 4.0, 0.2] }, ..slope });
+        slope(&mut def, 2.0);
         tower(&mut def, 1, [0.0, 0.0]);
         def.map.objects[0].solid.position[2] = -2.6;
         let mut world = World::new(def, Options { time_step, ..Options::default() });
         let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 0,0,-2.15}");
-        let until = |world: &mut World, end: f64| {
-            while world.time() < end {
-                world.step();
-            }
-        };
-        until(&mut world, 2.0);
+        run_until(&mut world, 2.0);
         apply(&mut world, robot, "DRIVE {Left 3} {Right 3}");
         let place = |world: &World| {
             let crate_at = world.objects().next().map_or_else(Vector3::zeros, |object| object.pose.translation.vector);
             let robot = world.snapshot().robots[0].body.pose;
             robot.rotation.inverse() * (crate_at - robot.translation.vector)
         };
-        until(&mut world, 4.0);
+        run_until(&mut world, 4.0);
         let before = place(&world);
-        until(&mut world, 12.0);
+        run_until(&mut world, 12.0);
         let crept = (place(&world) - before).norm();
         assert!(before.z < -0.1, "at {time_step} s it lies at {before:?}");
         assert!(crept < 1e-4, "at {time_step} s it crept by {crept:.1e} m");
