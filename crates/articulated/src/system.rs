@@ -20,9 +20,9 @@ const DENSE_ROWS: usize = 96;
 /// about a million. A smaller budget is no faster, as an inaccurate answer is a bad start for the next step.
 const WORK: [u64; 2] = [500_000, 30_000];
 const FEW: usize = 6;
-/// Residual velocity that is good enough between bodies where a few Newton steps do not settle, m/s. Most further steps chase single contacts
-/// that alternate between holding and sliding.
-const ENOUGH: f64 = 1e-4;
+/// Residual velocity that is good enough between bodies after a Newton step, m/s. Most further steps chase single contacts that alternate
+/// between holding and sliding. Bodies at rest are solved exactly, as their contacts do not change in the step.
+const ENOUGH: f64 = 1e-3;
 
 /// Most solutions of several bodies in a step. Each may find servos beyond their limits, which the next one holds there.
 const MAX_PASSES: usize = 4;
@@ -132,6 +132,8 @@ pub struct Workspace {
     sparse_friction: friction::SparseWorkspace,
     /// Multiplications left for a step of several bodies.
     budget: u64,
+    /// True after the first solution of a step.
+    is_again: bool,
     /// Servos that would exceed their limits, as rows bounded by those.
     limited: Vec<JointRow>,
 }
@@ -152,6 +154,7 @@ pub fn step(
 ) -> Outcome {
     workspace.limited.clear();
     workspace.budget = most_work(bodies.len());
+    workspace.is_again = false;
     if bodies.len() > 1 {
         // A servo that is found at its limit only later costs another solution of the whole system.
         for (number, body) in bodies.iter_mut().enumerate() {
@@ -167,6 +170,7 @@ pub fn step(
         total.newton_steps += outcome.newton_steps;
         total.work += outcome.work;
         passes += 1;
+        workspace.is_again = true;
         let rows = workspace.impulses.as_slice();
         let mut next = 0;
         let mut take = || {
@@ -180,6 +184,10 @@ pub fn step(
             }
         }
         joints.iter_mut().for_each(|joint| joint.impulse = take());
+        if bodies.len() > 1 {
+            // The next solution starts from them. That of one body is found as soon from their limits.
+            workspace.limited.iter_mut().for_each(|servo| servo.impulse = take());
+        }
         let before = workspace.limited.len();
         for (number, body) in bodies.iter_mut().enumerate() {
             body.limit_servos(number, time_step, &mut workspace.limited);
@@ -323,7 +331,7 @@ impl Workspace {
     /// Finds the impulses of several bodies, each of which touches few others.
     fn solve_sparse(&mut self, bodies: &[&mut Body]) -> Outcome {
         let Self { blocks, entries, compliance, problem, sparse, impulses, memory, places, .. } = self;
-        let Self { sparse_friction, budget, .. } = self;
+        let Self { sparse_friction, budget, is_again, .. } = self;
         sparse.clear();
         sparse.bodies.extend_from_slice(places);
         sparse.constraints.append(&mut problem.constraints);
@@ -359,7 +367,7 @@ impl Workspace {
             sparse.ranges.push(start..sparse.entries.len());
         }
         let enough = if bodies.len() == 1 { 0.0 } else { ENOUGH };
-        let effort = Effort { enough, budget: *budget };
+        let effort = Effort { enough, budget: *budget, is_again: *is_again };
         let found = friction::solve_sparse(sparse, impulses, effort, sparse_friction);
         let friction::SparseOutcome { sweeps, newton_steps, work, is_settled, .. } = found;
         *budget = budget.saturating_sub(work);

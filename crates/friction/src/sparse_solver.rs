@@ -19,8 +19,6 @@ const SWEEPS: usize = 5;
 const ACCURACY: f64 = 1e-3;
 /// Residual up to which a sweep leaves a contact as it is, relative to the scale.
 const STILL: f64 = 1e-5;
-/// Newton steps after which [`Effort::enough`] counts as settled.
-const GOOD_STEPS: usize = 3;
 /// Share of each Newton step that is taken, and most steps, in the first try with one body.
 const FIRST_TRY: [(f64, usize); 1] = [(1.0, 8)];
 /// Shares and most steps of later tries with one body.
@@ -51,10 +49,14 @@ pub struct SparseOutcome {
 /// Aim of a solution, and its limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
-    /// Residual velocity that is good enough where a few Newton steps do not reach [`TOLERANCE`], m/s.
+    /// Residual velocity that is good enough after the first Newton step, m/s. Impulses that are kept without one have to reach
+    /// [`TOLERANCE`].
     pub enough: f64,
     /// Multiplications after which the search ends, at its next step.
     pub budget: u64,
+    /// True if the impulses answer nearly the same problem. Then what is good enough counts from the start, and bodies that meet it keep
+    /// their impulses.
+    pub is_again: bool,
 }
 
 /// Scratch buffers that one sparse problem after the other reuses.
@@ -116,6 +118,9 @@ struct Search<'a> {
 impl Search<'_> {
     fn run(&mut self, impulses: &[f64]) {
         self.outcome.residual = f64::INFINITY;
+        if self.effort.is_again {
+            self.accept();
+        }
         self.workspace.responses.clear();
         self.go_to(impulses);
         // Drops the last problem's best impulses, in case none of this search improves on its start.
@@ -132,6 +137,11 @@ impl Search<'_> {
         } else {
             self.search_heap();
         }
+    }
+
+    /// Takes from now on what is good enough.
+    fn accept(&mut self) {
+        self.tolerance = self.tolerance.max(self.effort.enough / self.scale);
     }
 
     /// Searches for the impulses of several bodies.
@@ -223,11 +233,9 @@ impl Search<'_> {
                 break;
             }
             self.choose();
+            self.accept();
             let SparseWorkspace { rows, newton, impulses, coordinates, velocities, moves, .. } = &mut *self.workspace;
             self.outcome.newton_steps += 1;
-            if self.outcome.newton_steps == GOOD_STEPS {
-                self.tolerance = self.tolerance.max(self.effort.enough / self.scale);
-            }
             let work = &mut self.outcome.work;
             let share = share(step);
             if !newton.step(self.problem, rows, moves, velocities, share, impulses, coordinates, work) {

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// A budget that no problem here should need.
-const PLENTY: Effort = Effort { enough: 0.0, budget: 50_000_000 };
+const PLENTY: Effort = Effort { enough: 0.0, budget: 50_000_000, is_again: false };
 
 /// Coordinates of a body: six of its root, and two wheels.
 const SIZE: usize = 8;

@@ -68,7 +68,7 @@ const WORLDS: [Golden; 5] = [
             (3, "CONTROL {Type Create} {ClassName WCPallet} {Name lift} {Location 0,-1.2,-0.2} {Rotation 0,0,0.3}"),
             (3, "CONTROL {Type Rotate} {Name lift} {Speed 0,0,0.7}"),
         ],
-        digest: 0x8a52_8cbc_4fbd_08bc,
+        digest: 0x2fc8_74d8_c533_cad2,
     },
     Golden {
         name: "cars and flight",
