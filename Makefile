@@ -102,17 +102,22 @@ check:
 	.ci/run
 
 # Every measured number that README.md and docs show, made anew: a quarter of an hour on a machine that does nothing else.
-figures: target/interop/venv/bin/python wheel
+figures: target/interop/venv/bin/python target/interop/older/bin/python wheel
 	UPDATE_FIGURES=1 cargo test --workspace --lib the_page_has_the_types_of
 	UPDATE_FIGURES=1 cargo test --release -p usarsim --test all figures -- --nocapture
 	$< -m pip install --quiet --requirement tests/interop/requirements.txt
 	$< bench/validation.py
-	$< bench/compare.py --out docs/comparison.md
+	$< bench/compare.py --beside target/interop/older/bin/python --out docs/comparison.md
 	$< -m pip install --quiet --force-reinstall target/dist/*.whl gymnasium
 	$< bench/learning.py --out docs/howto-learning.md
 
 target/interop/venv/bin/python:
 	python3 -m venv target/interop/venv
+
+# A MuJoCo of before 4.0.0, whose sparse factorisation is wrong.
+target/interop/older/bin/python:
+	python3 -m venv target/interop/older
+	$@ -m pip install --quiet mujoco==3.17.0 numpy
 
 viewer/node_modules/.package-lock.json: viewer/package-lock.json
 	cd viewer && $(npm) ci --no-fund --no-audit

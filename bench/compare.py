@@ -4,6 +4,8 @@
     python3 -m venv venv && venv/bin/pip install mujoco numpy
     cargo build --release --bin usarsim      # or USARSIM names another build of the program
     venv/bin/python bench/compare.py [--seconds 10] [--repeat 3] [--out docs/comparison.md] [--check docs/comparison.md]
+    python3 -m venv older && older/bin/pip install mujoco==3.17.0 numpy
+    venv/bin/python bench/compare.py --crowds --beside older/bin/python
 
 Both are driven forward, to the right and on the spot at 1 rad/s and compared with the exact kinematics of wheels with six
 rollers for the angles that the wheels turned. MuJoCo gets the robot that `usarsim show robot KUKA_YouBot` prints, with its
@@ -18,6 +20,7 @@ their own servos; what is compared is the time of a step of the same length.
 
 Crowds of P3ATs on a grid of 0.75 m drive to its middle at 5 rad/s, where they push and climb, and one drives into a wall of boxes. What is
 compared is the time of a robot, or box, and step. MuJoCo's P3ATs are a box on four cylinders with the softer servo and the rotor.
+MuJoCo 4.0.0's Newton solver factorises its sparse matrix wrongly (google-deepmind/mujoco#3767), so crowds can run in an older MuJoCo, too.
 
 Every row is the fastest of the repeats, which take turns, as these machines are noisy.
 Units: m, s, rad, kg; x forward, y left, z up.
@@ -375,22 +378,40 @@ def usarsim_crowd_row(robots, boxes, dt, seconds, folder):
     return report["microseconds_per_robot_and_step"] * robots / max(robots, boxes), report["worst_step_milliseconds"]
 
 
-def crowds(seconds, repeat, folder):
-    """The table of crowds and walls, each time the shortest of the repeats."""
-    lines = ["| what | step, ms | MuJoCo, pyramidal, us | MuJoCo, elliptic, us | usarsim, us | usarsim, longest step, ms | times the faster |", "|---|---|---|---|---|---|---|"]
+def crowd_row_of(python, *row):
+    """A crowd's row by another Python, which has another MuJoCo."""
+    made = subprocess.run([python, __file__, "--crowd-row", json.dumps(row)], check=True, capture_output=True)
+    return json.loads(made.stdout)
+
+
+def version_of(python):
+    """The version of another Python's MuJoCo."""
+    made = subprocess.run([python, "-c", "import mujoco; print(mujoco.__version__)"], check=True, capture_output=True, text=True)
+    return made.stdout.strip()
+
+
+def crowds(seconds, repeat, folder, beside=None):
+    """The table of crowds and walls, each time the shortest of the repeats. `beside` is a Python with another MuJoCo."""
+    runs = {mujoco.__version__: mujoco_crowd_row}
+    if beside:
+        runs[version_of(beside)] = lambda *row: crowd_row_of(beside, *row)
+    runs = {(version, cone): run for version, run in runs.items() for cone in ("pyramidal", "elliptic")}
+    head = " | ".join(f"MuJoCo {version}, {cone}, us" for version, cone in runs)
+    lines = [f"| what | step, ms | {head} | usarsim, us | usarsim, longest step, ms | times the faster |", "|---|---|" + "---|" * (len(runs) + 3)]
     for robots, boxes in ((5, 0), (20, 0), (80, 0), (1, 500)):
         for dt in (0.002, 0.004):
-            best, longest, unstable = [math.inf] * 3, math.inf, 0
+            best, own, longest, unstable = [math.inf] * len(runs), math.inf, math.inf, 0
             for turn in range(repeat):
                 print(f"\r{turn + 1}/{repeat} {robots} robots, {boxes} boxes, {1e3 * dt:g} ms {'':60}", end="", flush=True, file=sys.stderr)
-                found = [mujoco_crowd_row(robots, boxes, cone, dt, seconds) for cone in ("pyramidal", "elliptic")]
+                found = [run(robots, boxes, cone, dt, seconds) for (_, cone), run in runs.items()]
                 unstable = max(unstable, *(count for _, count in found))
-                own, worst = usarsim_crowd_row(robots, boxes, dt, seconds, folder)
-                longest = min(longest, worst)
-                best = [min(pair) for pair in zip(best, [*(each for each, _ in found), own])]
+                best = [min(pair) for pair in zip(best, (each for each, _ in found))]
+                each, worst = usarsim_crowd_row(robots, boxes, dt, seconds, folder)
+                own, longest = min(own, each), min(longest, worst)
             what = f"{robots} P3ATs" if robots > 1 else f"a wall of {boxes} boxes"
             note = f" (unstable, begun anew {unstable} times)" if unstable else ""
-            lines.append(f"| {what}{note} | {1e3 * dt:g} | {best[0]:.1f} | {best[1]:.1f} | {best[2]:.1f} | {longest:.1f} | {min(best[:2]) / best[2]:.2f} |")
+            theirs = " | ".join(f"{each:.1f}" for each in best)
+            lines.append(f"| {what}{note} | {1e3 * dt:g} | {theirs} | {own:.1f} | {longest:.1f} | {min(best) / own:.2f} |")
     return lines
 
 
@@ -427,12 +448,17 @@ def main():
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--out", help="write the table as Markdown")
     parser.add_argument("--crowds", action="store_true", help="make the table of crowds and walls alone")
+    parser.add_argument("--beside", metavar="PYTHON", help="a Python with another version of MuJoCo, which runs the crowds, too")
+    parser.add_argument("--crowd-row", type=json.loads, help=argparse.SUPPRESS)
     parser.add_argument("--check", help="compare with the rows of usarsim in this file, all but times; MuJoCo is not run")
     arguments = parser.parse_args()
+    if arguments.crowd_row:
+        print(json.dumps(mujoco_crowd_row(*arguments.crowd_row)))
+        return
     if arguments.crowds:
         with tempfile.TemporaryDirectory() as folder:
             without_sensors("P3AT", folder)
-            print("\r" + "\n".join(crowds(5, arguments.repeat, folder)))
+            print("\r" + "\n".join(crowds(5, arguments.repeat, folder, arguments.beside)))
         return
     definition, seconds = robot(), arguments.seconds
     peers = [(shape, cone, dt) for shape in ("ellipsoid", "chain 5", "chain 9") for cone in ("pyramidal", "elliptic") for dt in (0.002, 0.004, 0.008, 0.012, 0.016, 0.02)]
@@ -470,8 +496,8 @@ def main():
     text += " MuJoCo's P3AT has no sensors; usarsim's has a laser of 181 beams and seven others, which are in its time, but where the row says not."
     text += f"\n\n## Trees\n\nThe same trees of links with the same servos, times real time in the motions of `usarsim bench` (3 x {seconds:g} seconds): a youBot with its arm and 24 rollers, and a Kenaf that starts with its front half on a step of 5 cm, whose tracks are rows of wheels in MuJoCo. usarsim's have their sensors, too.\n\n"
     text += "\n".join(trees(seconds, arguments.repeat))
-    text += "\n\n## Crowds and walls\n\nP3ATs without sensors on a grid of 0.75 m that all drive to its middle at 5 rad/s, and one that drives into a wall of boxes, ten high, for 5 simulated seconds: microseconds of one core for each robot, or box, and step (`bench/compare.py --crowds`). MuJoCo's P3AT is a box on four cylinders with the softer servo and the rotor of above. In crowds usarsim takes two to three times as long: it solves Coulomb's cone to 1e-6 or to the end of its budget, with the servos' stiffness in the contacts. A wall of boxes costs next to nothing while it sleeps.\n\n"
-    text += "\n".join(crowds(5, arguments.repeat, folder.name))
+    text += "\n\n## Crowds and walls\n\nP3ATs without sensors on a grid of 0.75 m that all drive to its middle at 5 rad/s, and one that drives into a wall of boxes, ten high, for 5 simulated seconds: microseconds of one core for each robot, or box, and step (`bench/compare.py --crowds`). MuJoCo's P3AT is a box on four cylinders with the softer servo and the rotor of above. In crowds usarsim takes longer: it solves Coulomb's cone to a millimetre a second, with the servos' stiffness in the contacts, where MuJoCo's pyramids or soft cones are convex. MuJoCo 4.0.0 factorises its sparse matrix wrongly (google-deepmind/mujoco#3767), which 4.0.1 repairs; so 3.17.0 runs beside it. A wall of boxes costs next to nothing while it sleeps.\n\n"
+    text += "\n".join(crowds(5, arguments.repeat, folder.name, arguments.beside))
     print("\r" + text)
     if arguments.out:
         with open(arguments.out, "w") as file:
