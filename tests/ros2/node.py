@@ -69,7 +69,8 @@ class Node:
 def listen(duration, *topics):
     """Counts messages and the steps between their stamps."""
     node = Node()
-    node.subscribe("/clock", Clock, qos_profile_sensor_data)
+    # As sensor data it would have room for five, and lose some where the machine stalls.
+    node.subscribe("/clock", Clock, 1000)
     node.subscribe("/diagnostics", DiagnosticArray)
     for topic in topics:
         if topic.endswith("robot_description"):
