@@ -130,10 +130,8 @@ pub struct Workspace {
     places: Vec<usize>,
     friction: friction::Workspace,
     sparse_friction: friction::SparseWorkspace,
-    /// Multiplications left for a step of several bodies.
-    budget: u64,
-    /// True after the first solution of a step.
-    is_again: bool,
+    /// Aim of the next sparse solution, with the multiplications left for the step.
+    effort: Effort,
     /// Servos that would exceed their limits, as rows bounded by those.
     limited: Vec<JointRow>,
 }
@@ -153,8 +151,8 @@ pub fn step(
     workspace: &mut Workspace,
 ) -> Outcome {
     workspace.limited.clear();
-    workspace.budget = most_work(bodies.len());
-    workspace.is_again = false;
+    let enough = if bodies.len() == 1 { 0.0 } else { ENOUGH };
+    workspace.effort = Effort { enough, budget: most_work(bodies.len()), is_again: false };
     if bodies.len() > 1 {
         // A servo that is found at its limit only later costs another solution of the whole system.
         for (number, body) in bodies.iter_mut().enumerate() {
@@ -170,7 +168,7 @@ pub fn step(
         total.newton_steps += outcome.newton_steps;
         total.work += outcome.work;
         passes += 1;
-        workspace.is_again = true;
+        workspace.effort.is_again = true;
         let rows = workspace.impulses.as_slice();
         let mut next = 0;
         let mut take = || {
@@ -185,7 +183,7 @@ pub fn step(
         }
         joints.iter_mut().for_each(|joint| joint.impulse = take());
         if bodies.len() > 1 {
-            // The next solution starts from them. That of one body is found as soon from their limits.
+            // The next solution starts from them. That of one body starts from the limits.
             workspace.limited.iter_mut().for_each(|servo| servo.impulse = take());
         }
         let before = workspace.limited.len();
@@ -331,7 +329,7 @@ impl Workspace {
     /// Finds the impulses of several bodies, each of which touches few others.
     fn solve_sparse(&mut self, bodies: &[&mut Body]) -> Outcome {
         let Self { blocks, entries, compliance, problem, sparse, impulses, memory, places, .. } = self;
-        let Self { sparse_friction, budget, is_again, .. } = self;
+        let Self { sparse_friction, effort, .. } = self;
         sparse.clear();
         sparse.bodies.extend_from_slice(places);
         sparse.constraints.append(&mut problem.constraints);
@@ -366,11 +364,9 @@ impl Workspace {
             }
             sparse.ranges.push(start..sparse.entries.len());
         }
-        let enough = if bodies.len() == 1 { 0.0 } else { ENOUGH };
-        let effort = Effort { enough, budget: *budget, is_again: *is_again };
-        let found = friction::solve_sparse(sparse, impulses, effort, sparse_friction);
+        let found = friction::solve_sparse(sparse, impulses, *effort, sparse_friction);
         let friction::SparseOutcome { sweeps, newton_steps, work, is_settled, .. } = found;
-        *budget = budget.saturating_sub(work);
+        effort.budget = effort.budget.saturating_sub(work);
         Outcome { is_settled, sweeps, newton_steps, work }
     }
 

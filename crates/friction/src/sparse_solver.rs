@@ -47,7 +47,7 @@ pub struct SparseOutcome {
 }
 
 /// Aim of a solution, and its limit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Effort {
     /// Residual velocity that is good enough after the first Newton step, m/s. Impulses that are kept without one have to reach
     /// [`TOLERANCE`].
@@ -90,14 +90,8 @@ pub fn solve_sparse(
     }
     let scale = Rows::collect(problem, &mut workspace.rows);
     let work = workspace.newton.pattern.find(problem);
-    let mut search = Search {
-        problem,
-        scale,
-        effort,
-        tolerance: TOLERANCE,
-        workspace,
-        outcome: SparseOutcome { work, ..Default::default() },
-    };
+    let mut search =
+        Search { problem, scale, effort, workspace, outcome: SparseOutcome { work, ..Default::default() } };
     search.run(impulses);
     impulses.copy_from_slice(&search.workspace.best);
     search.outcome
@@ -109,8 +103,6 @@ struct Search<'a> {
     /// Unit of residuals, m/s.
     scale: f64,
     effort: Effort,
-    /// Residual that is good enough now, relative to the scale.
-    tolerance: f64,
     workspace: &'a mut SparseWorkspace,
     outcome: SparseOutcome,
 }
@@ -118,9 +110,6 @@ struct Search<'a> {
 impl Search<'_> {
     fn run(&mut self, impulses: &[f64]) {
         self.outcome.residual = f64::INFINITY;
-        if self.effort.is_again {
-            self.accept();
-        }
         self.workspace.responses.clear();
         self.go_to(impulses);
         // Drops the last problem's best impulses, in case none of this search improves on its start.
@@ -139,9 +128,10 @@ impl Search<'_> {
         }
     }
 
-    /// Takes from now on what is good enough.
-    fn accept(&mut self) {
-        self.tolerance = self.tolerance.max(self.effort.enough / self.scale);
+    /// Returns the residual that is good enough now, relative to the scale.
+    fn tolerance(&self) -> f64 {
+        let Effort { enough, is_again, .. } = self.effort;
+        if is_again || self.outcome.newton_steps > 0 { TOLERANCE.max(enough / self.scale) } else { TOLERANCE }
     }
 
     /// Searches for the impulses of several bodies.
@@ -197,6 +187,7 @@ impl Search<'_> {
     /// Computes the residual of every constraint, and keeps the impulses if they are the best so far. After a step only the bodies that it moved
     /// have changed. Returns true if the search is over.
     fn judge(&mut self, is_after_step: bool) -> bool {
+        let tolerance = self.tolerance();
         let SparseWorkspace { rows, newton, impulses, coordinates, velocities, residuals, moves, best, .. } =
             &mut *self.workspace;
         velocities.resize(rows.len(), [0.0; 3]);
@@ -218,7 +209,7 @@ impl Search<'_> {
             outcome.residual = worst;
             best.clone_from(impulses);
         }
-        outcome.is_settled = worst <= self.tolerance;
+        outcome.is_settled = worst <= tolerance;
         outcome.is_settled || outcome.work >= self.effort.budget
     }
 
@@ -233,7 +224,6 @@ impl Search<'_> {
                 break;
             }
             self.choose();
-            self.accept();
             let SparseWorkspace { rows, newton, impulses, coordinates, velocities, moves, .. } = &mut *self.workspace;
             self.outcome.newton_steps += 1;
             let work = &mut self.outcome.work;
@@ -247,10 +237,10 @@ impl Search<'_> {
 
     /// Chooses the bodies that the next step moves: those of unsettled constraints, and their neighbours.
     fn choose(&mut self) {
+        let most = (self.tolerance() * self.scale).powi(2);
         let SparseWorkspace { rows, residuals, moves, is_unsettled, .. } = &mut *self.workspace;
         is_unsettled.clear();
         is_unsettled.resize(self.problem.bodies.len() - 1, false);
-        let most = (self.tolerance * self.scale).powi(2);
         for (rows, _) in rows.iter().zip(&*residuals).filter(|(_, residual)| **residual > most) {
             rows.bodies.into_iter().for_each(|body| is_unsettled[body] = true);
         }
