@@ -104,6 +104,17 @@ impl Belt {
         next.map_or_else(|| alone(self.rollers[lowest]), |next| self.run(lowest, next).to_vec())
     }
 
+    /// Returns the distance of the farthest point of the belt along a vector from the robot's origin, times its length, m. The vector is
+    /// given by x and z in the robot frame, and the belt by the numbers of the rollers that it lies on.
+    pub fn reach(&self, around: &[usize], [x, z]: [f64; 2]) -> f64 {
+        let length = (x * x + z * z).sqrt();
+        let reach = |&roller: &usize| {
+            let [own_x, own_z, radius] = self.rollers[roller];
+            own_x * x + own_z * z + radius * length
+        };
+        around.iter().map(reach).fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// Returns the outline of the belt: the corners of a convex polygon, x and z in the robot frame, m. Its straight runs are exact.
     pub fn outline(&self) -> Vec<[f64; 2]> {
         let mut directions: Vec<f64> =

@@ -20,8 +20,8 @@ const MAX_PLANES: usize = 32;
 /// Height above the plane of an area that counts as none, m.
 const NEAR: f64 = 1e-5;
 
-/// Areas of contact, each given by its corners. Those on one plane have the deepest first.
-pub(super) type Areas = Vec<Vec<CandidateContact>>;
+/// Areas of contact, each given by its corners, the deepest first.
+pub(super) type Areas<'a> = Vec<&'a [CandidateContact]>;
 
 /// A belt over areas of contact.
 pub(super) struct Belted<'a> {
@@ -46,7 +46,7 @@ impl Belted<'_> {
         let deepest = areas[0][0].touch;
         let is_near = |touch: &Touch| touch.gap <= self.prediction;
         let Some(run) = Run::new(&deepest, &self.axle) else {
-            return areas.iter().flatten().filter(|corner| is_near(&corner.touch)).cloned().collect();
+            return areas.iter().copied().flatten().filter(|corner| is_near(&corner.touch)).cloned().collect();
         };
         let stretches = run.stretches(areas, |touch| is_on_plane(&deepest, touch));
         let hold = |touch: Touch| {
@@ -61,12 +61,13 @@ impl Belted<'_> {
         }
         let stretches = run.stretches(areas, is_near);
         let whole: f64 = stretches.iter().map(Stretch::length).sum();
-        let spread = |it: &Stretch| {
+        let mut contacts = Vec::new();
+        for it in &stretches {
             let part = if it.length() < SHORT { 1.0 } else { it.length() / whole };
-            let base = it.base.clone();
-            run.spread(&it.outline, part).into_iter().map(move |touch| CandidateContact { touch, ..base.clone() })
-        };
-        stretches.iter().flat_map(spread).collect()
+            let contact = |touch| CandidateContact { touch, ..it.base.clone() };
+            contacts.extend(run.spread(&it.outline, part).into_iter().map(contact));
+        }
+        contacts
     }
 }
 
@@ -80,16 +81,16 @@ pub(super) struct Run {
 }
 
 /// A stretch of a run that areas of the same materials hold without a gap.
-struct Stretch {
+struct Stretch<'a> {
     /// A corner of it.
-    base: CandidateContact,
+    base: &'a CandidateContact,
     /// Corners of its outline: places along the run and across it, and gaps, m.
     outline: Vec<[f64; 3]>,
     /// Places along the run of its ends, m.
     ends: [f64; 2],
 }
 
-impl Stretch {
+impl Stretch<'_> {
     fn length(&self) -> f64 {
         self.ends[1] - self.ends[0]
     }
@@ -118,27 +119,25 @@ impl Run {
     }
 
     /// Joins areas that follow each other along the run, or lie side by side. Only the corners that `counts` names are theirs.
-    fn stretches(&self, areas: &Areas, counts: impl Fn(&Touch) -> bool) -> Vec<Stretch> {
-        let stretch = |area: &Vec<CandidateContact>| {
+    fn stretches<'a>(&self, areas: &Areas<'a>, counts: impl Fn(&Touch) -> bool) -> Vec<Stretch<'a>> {
+        let stretch = |area: &&'a [CandidateContact]| {
             let corners = area.iter().filter(|corner| counts(&corner.touch));
             let outline: Vec<[f64; 3]> = corners.map(|corner| self.flat(&corner.touch)).collect();
-            Some(Stretch { base: area.first()?.clone(), ends: ends(&outline)?, outline })
+            Some(Stretch { base: area.first()?, ends: ends(&outline)?, outline })
         };
         let mut areas: Vec<Stretch> = areas.iter().filter_map(stretch).collect();
         areas.sort_by(|one, other| one.ends[0].total_cmp(&other.ends[0]));
         let mut stretches: Vec<Stretch> = Vec::new();
         for area in areas {
-            let follows = |it: &&mut Stretch| area.ends[0] <= it.ends[1] + SHORT && it.base.is_alike(&area.base);
+            let follows = |it: &&mut Stretch| area.ends[0] <= it.ends[1] + SHORT && it.base.is_alike(area.base);
             match stretches.iter_mut().find(follows) {
                 Some(stretch) => {
                     stretch.ends[1] = stretch.ends[1].max(area.ends[1]);
                     stretch.outline.extend(area.outline);
+                    stretch.outline = convex_hull(std::mem::take(&mut stretch.outline), 0.0);
                 }
                 None => stretches.push(area),
             }
-        }
-        for stretch in &mut stretches {
-            stretch.outline = convex_hull(std::mem::take(&mut stretch.outline), 0.0);
         }
         stretches
     }
@@ -165,8 +164,7 @@ fn ends(outline: &[[f64; 3]]) -> Option<[f64; 2]> {
 }
 
 /// Groups areas by the planes on which they lie, the deepest first.
-fn planes(mut areas: Areas) -> Vec<Areas> {
-    areas.iter_mut().for_each(|area| area.sort_by(|one, other| one.touch.gap.total_cmp(&other.touch.gap)));
+fn planes(mut areas: Areas<'_>) -> Vec<Areas<'_>> {
     areas.sort_by(|one, other| one[0].touch.gap.total_cmp(&other[0].touch.gap));
     areas.truncate(MAX_AREAS);
     let mut planes: Vec<Areas> = Vec::new();
@@ -182,7 +180,7 @@ fn planes(mut areas: Areas) -> Vec<Areas> {
 
 /// Drops the areas that do not rise above the plane of others which rise above theirs. A belt on a plane does not reach below it, so these
 /// are edges of tiles and triangles beside it.
-fn drop_lower(planes: Vec<Areas>) -> Vec<Areas> {
+fn drop_lower(planes: Vec<Areas<'_>>) -> Vec<Areas<'_>> {
     let mut kept: Vec<Areas> = Vec::new();
     for plane in planes {
         if !kept.iter().any(|it| is_lower(&plane, it)) {
@@ -197,7 +195,7 @@ fn is_lower(one: &Areas, other: &Areas) -> bool {
     let rises = |areas: &Areas, base: &Areas| {
         let base = base[0][0].touch;
         let height = |touch: &Touch| base.normal.dot(&(touch.place() - base.place()));
-        areas.iter().flatten().any(|corner| height(&corner.touch) > NEAR)
+        areas.iter().copied().flatten().any(|corner| height(&corner.touch) > NEAR)
     };
     !rises(one, other) && rises(other, one)
 }

@@ -4,17 +4,21 @@
 //! an even load ([`scene::LOADED`]). On other shapes the engine finds areas of contact (`area.rs`). Across the belt each contact is in the
 //! middle, and moves to an edge as the track leans, as under a wheel.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Point3, Vector3};
 use rapier3d::math::{Pose as EnginePose, Vector};
+use rapier3d::parry::shape::Cuboid;
 use scene::{Belt, Disc, MountedWheel};
 
 use super::super::convert;
 use super::ArticulatedRobot;
-use super::area::{Belted, Run};
+use super::area::{Areas, Belted, Run};
 use super::finding::{CandidateContact, MAX_PREDICTION};
 use super::form::{Form, Surface};
 use super::shape_contact::{Target, on_faces};
 use super::wheel::{LEANING, Plane, SIDE, Touch};
+
+/// Height by which the lowest part of a belt over a face may be above that beside it, m.
+const LEVEL: f64 = 1e-5;
 
 /// A track, in the frame of its link: the origin is the sprocket's middle.
 pub(super) struct Track {
@@ -22,8 +26,6 @@ pub(super) struct Track {
     /// Numbers of the rollers that the belt lies on, in their order around it.
     around: Vec<usize>,
     half_width: f64,
-    /// Distance of its farthest point from the origin, m.
-    reach: f64,
 }
 
 impl Track {
@@ -33,9 +35,7 @@ impl Track {
         let [x, _, z] = wheel.position;
         belt.rollers.iter_mut().for_each(|roller| *roller = [roller[0] - x, roller[1] - z, roller[2]]);
         let half_width = wheel.width / 2.0;
-        let reach = belt.rollers.iter().map(|[x, z, radius]| Vector2::new(*x, *z).norm() + radius).fold(0.0, f64::max);
-        let reach = Vector2::new(reach, half_width).norm();
-        Some(Self { around: belt.around(), belt, half_width, reach })
+        Some(Self { around: belt.around(), belt, half_width })
     }
 
     /// Adds the contacts with a shape, each at a pose, within a distance, m, in world axes. Of a fixed shape other than a plane it adds the
@@ -51,10 +51,12 @@ impl Track {
         let &Target { shape: other, pose: other_pose, is_fixed } = target;
         let axle = convert::from_vector(at.rotation * Vector::Y);
         if let Some(half_space) = other.as_halfspace() {
-            let normal = convert::from_vector(other_pose.rotation * half_space.normal);
+            let up = other_pose.rotation * half_space.normal;
+            let normal = convert::from_vector(up);
             let place = convert::from_vector(other_pose.translation);
             let centre = convert::from_vector(at.translation);
-            if normal.dot(&(centre - place)) > self.reach + prediction {
+            let down = at.rotation.inverse() * -up;
+            if normal.dot(&(centre - place)) - self.reach(&convert::from_vector(down)) > prediction {
                 return;
             }
             if normal.dot(&axle).abs() < SIDE {
@@ -62,7 +64,7 @@ impl Track {
             }
         }
         let mut area = 0;
-        on_faces(own, at, other, other_pose, prediction, |mut corners| {
+        let add = |mut corners: Vec<Touch>| {
             if is_fixed {
                 corners.iter_mut().for_each(|corner| corner.area = Some(area));
                 area += 1;
@@ -76,7 +78,67 @@ impl Track {
                 }
                 None => found.extend(corners),
             }
-        });
+        };
+        match other.as_cuboid().and_then(|cuboid| self.on_box(at, cuboid, other_pose, prediction)) {
+            Some(corners) => corners.into_iter().for_each(add),
+            None => on_faces(own, at, other, other_pose, prediction, add),
+        }
+    }
+
+    /// Returns the corners of the area over the face of a box that separates both most, `Some(None)` if it is farther away than a distance,
+    /// m. `None` if the belt's lowest part is not over that face, or its side is: the engine's search has edges.
+    fn on_box(
+        &self,
+        at: &EnginePose,
+        cuboid: &Cuboid,
+        box_pose: &EnginePose,
+        prediction: f64,
+    ) -> Option<Option<Vec<Touch>>> {
+        let pose = convert::from_pose(&box_pose.inv_mul(at));
+        let (middle, turn) = (pose.translation.vector, pose.rotation.to_rotation_matrix());
+        let half = convert::from_vector(cuboid.half_extents);
+        let height = |axis: usize, side: f64| {
+            side * middle[axis] - self.reach(&(turn.matrix().row(axis).transpose() * -side)) - half[axis]
+        };
+        let faces = [0, 1, 2].into_iter().flat_map(|axis| [-1.0, 1.0].map(|side| (axis, side)));
+        let (axis, side, height) = faces
+            .map(|(axis, side)| (axis, side, height(axis, side)))
+            .max_by(|one, other| one.2.total_cmp(&other.2))?;
+        if height > prediction {
+            return Some(None);
+        }
+        let (axle, mut normal) = (turn * Vector3::y(), Vector3::zeros());
+        normal[axis] = side;
+        if normal.dot(&axle).abs() >= SIDE {
+            return None;
+        }
+        let toward = (axle * normal.dot(&axle) - normal).normalize();
+        let down = turn.inverse() * toward;
+        let run = self.belt.lowest_run(&self.around, [down.x, down.z]);
+        let (first, last) = (run.first()?, run.last()?);
+        let corner = |disc: &Disc, across: f64| {
+            let [x, z] = disc.middle;
+            middle + turn * Vector3::new(x, across * self.half_width, z) + toward * disc.radius
+        };
+        let outline = [(first, -1.0), (first, 1.0), (last, 1.0), (last, -1.0)].map(|(disc, side)| corner(disc, side));
+        let mut outline = outline.to_vec();
+        for across in [(axis + 1) % 3, (axis + 2) % 3] {
+            outline = cut(outline, |point| half[across] - point[across]);
+            outline = cut(outline, |point| half[across] + point[across]);
+        }
+        let gap = |point: &Vector3<f64>| side * point[axis] - half[axis];
+        let least = outline.iter().map(gap).reduce(f64::min)?;
+        if least > height + LEVEL {
+            return None;
+        }
+        let frame = convert::from_pose(box_pose);
+        let touch = |point: Vector3<f64>| Touch::new(frame * normal, (frame * Point3::from(point)).coords, gap(&point));
+        Some(Some(outline.into_iter().map(touch).collect()))
+    }
+
+    /// Returns the distance of the farthest point along a direction from the origin, m.
+    fn reach(&self, direction: &Vector3<f64>) -> f64 {
+        self.belt.reach(&self.around, [direction.x, direction.z]) + direction.y.abs() * self.half_width
     }
 
     /// Returns the contacts of the lowest run with a plane, by its normal and a point, within a distance, m.
@@ -108,18 +170,42 @@ impl Track {
     }
 }
 
+/// Cuts off the part of a polygon where a linear function is negative.
+fn cut(outline: Vec<Vector3<f64>>, inside: impl Fn(&Vector3<f64>) -> f64) -> Vec<Vector3<f64>> {
+    if outline.iter().all(|point| inside(point) >= 0.0) {
+        return outline;
+    }
+    let mut kept = Vec::with_capacity(outline.len() + 1);
+    let next = outline.iter().cycle().skip(1);
+    for (point, next) in outline.iter().zip(next) {
+        let (here, there) = (inside(point), inside(next));
+        if here >= 0.0 {
+            kept.push(*point);
+        }
+        if (here < 0.0) != (there < 0.0) {
+            kept.push(point + (next - point) * (here / (here - there)));
+        }
+    }
+    kept
+}
+
 impl ArticulatedRobot {
     /// Replaces the corners of the areas on which each track lies by its contacts.
     pub(super) fn join_areas(&self, found: &mut Vec<CandidateContact>) {
+        // Contacts with planes have their places already.
+        let mut corners: Vec<CandidateContact> = found.extract_if(.., |it| it.touch.area.is_some()).collect();
+        let key = |it: &CandidateContact| (it.key.surface, it.key.other, it.touch.area);
+        let mut areas: Areas = Vec::new();
+        for area in corners.chunk_by_mut(|one, other| key(one) == key(other)) {
+            area.sort_by(|one, other| one.touch.gap.total_cmp(&other.touch.gap));
+            areas.push(area);
+        }
         for (number, (surface, at)) in self.compiled.surfaces.iter().zip(&self.placed).enumerate() {
             let Form::Track(track) = surface.form else { continue };
-            // Contacts with planes have their places already.
-            let is_corner = |it: &mut CandidateContact| it.key.surface == number && it.touch.area.is_some();
-            let corners: Vec<CandidateContact> = found.extract_if(.., is_corner).collect();
-            let is_same = |one: &CandidateContact, other: &CandidateContact| {
-                (one.key.other, one.touch.area) == (other.key.other, other.touch.area)
-            };
-            let areas = corners.chunk_by(is_same).map(<[CandidateContact]>::to_vec).collect();
+            let areas: Areas = areas.iter().copied().filter(|area| area[0].key.surface == number).collect();
+            if areas.is_empty() {
+                continue;
+            }
             let track = &self.compiled.tracks[track];
             let axle = convert::from_vector(at.pose.rotation * Vector::Y);
             let prediction = at.prediction.min(MAX_PREDICTION);
