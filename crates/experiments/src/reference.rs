@@ -4,7 +4,7 @@ use base_motion::mecanum;
 use kinematics::coulomb::{self, Contact};
 use kinematics::{FiniteRollers, Twist};
 use nalgebra::Vector3;
-use scene::{Material, Pose, RobotDef, RobotSnapshot, WHEEL_AXIS};
+use scene::{Belt, Material, Pose, RobotDef, RobotSnapshot, WHEEL_AXIS};
 
 /// Kinematics of a robot.
 pub(crate) enum Reference {
@@ -18,6 +18,8 @@ pub(crate) enum Reference {
 #[derive(Default)]
 pub(crate) struct Sliding {
     wheels: Vec<Wheel>,
+    /// Rollers around the belt of every wheel in the order of the links; none for a wheel without one.
+    around: Vec<Vec<usize>>,
     /// Number of snapshots that the loads were summed over.
     noted: f64,
 }
@@ -53,14 +55,18 @@ impl Sliding {
         let placed = def.placed_links(&robot.joints);
         let wheels = placed.iter().filter_map(|(link, pose)| Some((link, link.wheel.as_ref()?, pose)));
         let loads: Vec<f64> = self.wheels.iter().map(|wheel| wheel.load).collect();
+        if self.around.is_empty() {
+            let around = |wheel: &scene::Wheel| wheel.belt.as_ref().map_or_else(Vec::new, Belt::around);
+            self.around = def.links.iter().filter_map(|link| link.wheel.as_ref()).map(around).collect();
+        }
         let mut count = 0;
         self.wheels.clear();
-        for (link, wheel, pose) in wheels {
+        for ((link, wheel, pose), around) in wheels.zip(&self.around) {
             let axis = pose.rotation * Vector3::from(WHEEL_AXIS);
             // The wheel rolls across its axis, with z down.
             let rolling = Vector3::z().cross(&axis);
             let is_driven = link.is_driven_wheel();
-            for [x, y] in stands(wheel, pose) {
+            for [x, y] in stands(wheel, around, pose) {
                 self.wheels.push(Wheel {
                     position: [x, y],
                     rolling: [rolling.x, rolling.y],
@@ -111,11 +117,11 @@ impl Sliding {
 }
 
 /// Returns where a wheel at a pose in the robot frame can touch the ground, forward and to the right in the robot frame, m.
-fn stands(wheel: &scene::Wheel, pose: &Pose) -> Vec<[f64; 2]> {
+fn stands(wheel: &scene::Wheel, around: &[usize], pose: &Pose) -> Vec<[f64; 2]> {
     let Some(belt) = &wheel.belt else { return vec![[pose.translation.x, pose.translation.y]] };
     let down = pose.rotation.inverse() * Vector3::z();
     let [x, z] = belt.rollers.first().map_or([0.0; 2], |&[x, z, _]| [x, z]);
-    let discs = belt.lowest_run(&belt.around(), [down.x, down.z]).into_iter();
+    let discs = belt.lowest_run(around, [down.x, down.z]).into_iter();
     let places = discs.map(|disc| pose * nalgebra::Point3::new(disc.middle[0] - x, 0.0, disc.middle[1] - z));
     places.map(|place| [place.x, place.y]).collect()
 }

@@ -20,6 +20,9 @@ use super::wheel::{LEANING, Plane, SIDE, Touch};
 /// Height by which the lowest part of a belt over a face may be above that beside it, m.
 const LEVEL: f64 = 1e-5;
 
+/// Overlap beyond which another direction than the face's normal may be the shorter way out, m.
+const DEEP: f64 = 0.002;
+
 /// A track, in the frame of its link: the origin is the sprocket's middle.
 pub(super) struct Track {
     belt: Belt,
@@ -64,7 +67,7 @@ impl Track {
             }
         }
         let mut area = 0;
-        let add = |mut corners: Vec<Touch>| {
+        let mut add = |mut corners: Vec<Touch>| {
             if is_fixed {
                 corners.iter_mut().for_each(|corner| corner.area = Some(area));
                 area += 1;
@@ -80,20 +83,15 @@ impl Track {
             }
         };
         match other.as_cuboid().and_then(|cuboid| self.on_box(at, cuboid, other_pose, prediction)) {
-            Some(corners) => corners.into_iter().for_each(add),
+            Some(corners) => add(corners),
             None => on_faces(own, at, other, other_pose, prediction, add),
         }
     }
 
-    /// Returns the corners of the area over the face of a box that separates both most, `Some(None)` if it is farther away than a distance,
-    /// m. `None` if the belt's lowest part is not over that face, or its side is: the engine's search has edges.
-    fn on_box(
-        &self,
-        at: &EnginePose,
-        cuboid: &Cuboid,
-        box_pose: &EnginePose,
-        prediction: f64,
-    ) -> Option<Option<Vec<Touch>>> {
+    /// Returns the corners of the area over the face of a box that separates both most; none if it is farther away than a distance, m.
+    /// Returns `None` if the belt's lowest part is not over that face, if the belt's side is, or if the overlap is deep: such contacts need the
+    /// engine's search.
+    fn on_box(&self, at: &EnginePose, cuboid: &Cuboid, box_pose: &EnginePose, prediction: f64) -> Option<Vec<Touch>> {
         let pose = convert::from_pose(&box_pose.inv_mul(at));
         let (middle, turn) = (pose.translation.vector, pose.rotation.to_rotation_matrix());
         let half = convert::from_vector(cuboid.half_extents);
@@ -105,11 +103,11 @@ impl Track {
             .map(|(axis, side)| (axis, side, height(axis, side)))
             .max_by(|one, other| one.2.total_cmp(&other.2))?;
         if height > prediction {
-            return Some(None);
+            return Some(Vec::new());
         }
         let (axle, mut normal) = (turn * Vector3::y(), Vector3::zeros());
         normal[axis] = side;
-        if normal.dot(&axle).abs() >= SIDE {
+        if height < -DEEP || normal.dot(&axle).abs() >= SIDE {
             return None;
         }
         let toward = (axle * normal.dot(&axle) - normal).normalize();
@@ -133,7 +131,7 @@ impl Track {
         }
         let frame = convert::from_pose(box_pose);
         let touch = |point: Vector3<f64>| Touch::new(frame * normal, (frame * Point3::from(point)).coords, gap(&point));
-        Some(Some(outline.into_iter().map(touch).collect()))
+        Some(outline.into_iter().map(touch).collect())
     }
 
     /// Returns the distance of the farthest point along a direction from the origin, m.
@@ -217,5 +215,73 @@ impl ArticulatedRobot {
                 found.push(contact);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use rapier3d::math::Rotation;
+    use rapier3d::parry::query;
+
+    use super::super::super::shape;
+    use super::*;
+
+    const BOX: [f64; 3] = [0.3, 0.2, 0.05];
+    const WIDTH: f64 = 0.08;
+    const PREDICTION: f64 = 0.01;
+
+    fn flipper() -> Track {
+        let belt = Belt { rollers: vec![[0.0, 0.0, 0.06], [0.15, 0.0, 0.04]] };
+        Track { around: belt.around(), belt, half_width: WIDTH / 2.0 }
+    }
+
+    proptest! {
+        // The hull has flat corners of 15 degrees, which are up to 0.5 mm inside of the belt.
+        #[test]
+        fn the_area_on_a_box_is_as_near_as_the_engine_finds_it(
+            place in [-0.4..0.4, -0.3..0.3, 0.08..0.16], turn in [-0.2..0.2, -3.0..3.0, -3.0..3.0],
+        ) {
+            let track = flipper();
+            let cuboid = Cuboid::new(convert::vector(BOX));
+            let box_pose = EnginePose::from_parts(convert::vector([1.0, 2.0, 3.0]), Rotation::from_rotation_x(0.3));
+            let [x, y, z] = turn;
+            let turn = Rotation::from_rotation_z(z) * Rotation::from_rotation_y(y) * Rotation::from_rotation_x(x);
+            let at = box_pose * EnginePose::from_parts(convert::vector(place), turn);
+            let hull = shape::shared(&track.belt.hull(WIDTH));
+            let nearest = query::contact(&at, hull.as_ref(), &box_pose, &cuboid, 0.02);
+            let nearest = nearest.expect("known shapes").map_or(0.02, |it| it.dist);
+            if let Some(corners) = track.on_box(&at, &cuboid, &box_pose, PREDICTION) {
+                let gap = corners.iter().map(|corner| corner.gap).fold(f64::INFINITY, f64::min);
+                if corners.is_empty() {
+                    prop_assert!(nearest > PREDICTION, "{nearest} m");
+                } else {
+                    prop_assert!((nearest - 6e-4..nearest + 1e-9).contains(&gap), "{gap} m, the engine {nearest} m");
+                }
+            }
+        }
+    }
+
+    #[track_caller]
+    fn check(place: [f64; 3], lean: f64, expected: Option<usize>) {
+        let at = EnginePose::from_parts(convert::vector(place), Rotation::from_rotation_y(lean));
+        let cuboid = Cuboid::new(convert::vector(BOX));
+        let corners = flipper().on_box(&at, &cuboid, &EnginePose::IDENTITY, PREDICTION);
+        assert_eq!(corners.map(|corners| corners.len()), expected);
+    }
+
+    #[test]
+    fn a_belt_has_an_area_where_its_lowest_part_is_over_a_face() {
+        let level = libm::asin(0.02 / 0.15);
+        // On top, over a corner, over an end, beyond the box, above it.
+        check([0.0, 0.0, 0.11], level, Some(4));
+        check([0.2, 0.18, 0.11], level, Some(4));
+        check([0.25, 0.0, 0.11], level, Some(4));
+        check([0.6, 0.0, 0.11], level, Some(0));
+        check([0.0, 0.0, 0.2], level, Some(0));
+        // The sprocket is lower, beyond the edge: the edge meets the middle of the run.
+        check([-0.35, 0.0, 0.09], 0.0, None);
+        // The side of the belt faces the box.
+        check([0.0, 0.24, 0.0], level, None);
     }
 }
