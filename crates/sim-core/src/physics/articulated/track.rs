@@ -1,8 +1,8 @@
 //! Contacts of a track.
 //!
 //! The belt of a track is the union of discs inside it. On a plane its load is on four of them along its lowest run, whose friction is that of
-//! an even load ([`scene::LOADED`]). On other shapes the engine finds areas of contact (`area.rs`). Across the belt each contact is in the
-//! middle, and moves to an edge as the track leans, as under a wheel.
+//! an even load ([`scene::LOADED`]). On other shapes it has areas of contact (`area.rs`): over the face of a box in closed form, elsewhere as the
+//! engine finds them. Across the belt each contact is in the middle, and moves to an edge as the track leans, as under a wheel.
 
 use nalgebra::{Point3, Vector3};
 use rapier3d::math::{Pose as EnginePose, Vector};
