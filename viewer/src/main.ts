@@ -48,6 +48,7 @@ const view = new View(
   find('labels'),
   (id) => state.robot(id),
   (number) => state.object(number),
+  (id) => state.colourOf(id),
 );
 const playback = new Playback(transport.sceneOfLog, {
   scene: showScene,
@@ -276,7 +277,6 @@ function openSpawn(): void {
 function setTheme(dark: boolean): void {
   document.documentElement.dataset.theme = dark ? 'dark' : 'light';
   remember('theme', dark ? 'dark' : 'light');
-  view.setDark(dark);
 }
 
 async function savePicture(): Promise<void> {

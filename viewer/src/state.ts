@@ -3,7 +3,7 @@
 import type { Frame, RobotState } from './protocol/frame';
 import type { Status } from './protocol/live';
 import type { RobotClass, Scene, Solid } from './protocol/scene';
-import { colourOf } from './view/colours';
+import { bodyColour, colourOf } from './view/colours';
 import { type Reading, type SensorValues, addReading } from './protocol/sensors';
 
 export class State {
@@ -85,9 +85,10 @@ export class State {
     return (this.status?.robots ?? []).filter((robot) => !this.isOwn(robot));
   }
 
-  /** A robot's colour, which goes by its name. */
+  /** A robot's colour, which goes by its name and is unlike its body. */
   colourOf(id: number): string {
-    return colourOf({ id, name: this.robot(id)?.name ?? '' });
+    const robotClass = this.classOf(id);
+    return colourOf({ id, name: this.robot(id)?.name ?? '' }, robotClass && bodyColour(robotClass));
   }
 
   /** A robot's name for people. */

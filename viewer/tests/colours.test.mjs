@@ -7,7 +7,7 @@ import { runnerImport } from 'vite';
 import { root } from './server.mjs';
 
 const colours = (await runnerImport(join(root, 'viewer/src/view/colours.ts'))).module;
-const { COLOURS, colourOf, curveColours, teamColour } = colours;
+const { bodyColour, COLOURS, colourOf, curveColours, teamColour } = colours;
 
 test('a colour goes by the name, and numbered names differ', () => {
   assert.equal(colourOf({ id: 0, name: 'Ann' }), colourOf({ id: 7, name: 'Ann' }));
@@ -19,6 +19,22 @@ test('a colour goes by the name, and numbered names differ', () => {
   const nameless = COLOURS.map((_, id) => colourOf({ id, name: '' }));
   assert.equal(new Set(nameless).size, COLOURS.length);
   for (const name of ['x'.repeat(256), '😀', '9'.repeat(40)]) assert.ok(COLOURS.includes(colourOf({ id: 0, name })));
+});
+
+test('a colour is unlike that of the body', () => {
+  const linear = (hex) =>
+    [1, 3, 5].map((at) => Number.parseInt(hex.slice(at, at + 2), 16) / 255).map((part) => part ** 2.2);
+  for (const body of COLOURS.slice(0, 9)) {
+    for (let number = 1; number <= 10; number++) {
+      assert.notEqual(colourOf({ id: 0, name: `Robot${number}` }, linear(body)), body);
+    }
+  }
+  assert.equal(colourOf({ id: 0, name: 'Robot1' }, linear('#d64550')), COLOURS[0]);
+  // The body of a robot is what is drawn most; greys do not count.
+  const box = (edge, colour) => ({ shape: { Box: { size: [edge, edge, edge] } }, colour });
+  const drawn = [box(1, [0.1, 0.1, 0.1]), box(0.5, [0.8, 0.2, 0]), box(0.1, [0, 0, 1])];
+  assert.deepEqual(bodyColour({ drawn, links: [] }), [0.8, 0.2, 0]);
+  assert.equal(bodyColour({ drawn: drawn.slice(0, 1), links: [] }), null);
 });
 
 test('the first curve of a robot has its colour, and no other curve has it', () => {

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { runnerImport } from 'vite';
-import { near, pageTest, setQuality, spawnRobot, waitForPixels } from './pagetest.mjs';
+import { ABOVE, near, pageTest, setQuality, spawnRobot, waitForPixels, waitForView } from './pagetest.mjs';
 import { connectClient, root } from './server.mjs';
 
 const rough = { serve: ['--map', 'rough'] };
@@ -56,30 +56,35 @@ pageTest('a start has no label while a robot stands on it', rough, async ({ page
 
 pageTest('labels behind a robot are hidden', rough, async ({ page, server }) => {
   await page.selectOption('#camera', 'top');
-  // In the middle of the view, so that it stays there.
-  const shown = () =>
-    page.evaluate(() => {
-      const labels = [...document.querySelectorAll('.view-label.metres')];
-      const { width, height } = document.querySelector('#canvas').getBoundingClientRect();
-      const far = (label) => {
-        const [x, y] = label.style.transform.match(/-?[\d.]+/g).map(Number);
-        return Math.hypot(x - width / 2, y - height / 2);
-      };
-      const visible = labels.filter(({ style }) => Number(style.opacity) > 0.5);
-      return visible.sort((one, other) => far(one) - far(other)).map(({ textContent }) => textContent);
-    });
   await page.waitForFunction(() =>
-    [...document.querySelectorAll('.view-label.metres')].some(({ style }) => Number(style.opacity) > 0.5),
+    ['x', 'y'].every((axis) => {
+      const labels = [...document.querySelectorAll('.view-label.metres')];
+      const own = labels.filter(({ textContent }) => textContent.startsWith(axis));
+      return own.filter(({ style }) => Number(style.opacity) > 0.5).length > 1;
+    }),
   );
-  const [nearest] = await shown();
-  const [axis, at] = nearest.split(' ');
-  const place = axis === 'x' ? `${at},0,-0.2` : `0,${at},-0.2`;
-  await connectClient(server.port, `INIT {ClassName USARBot.P3AT} {Name Robot1} {Location ${place}}`);
-  await page.waitForFunction((nearest) => {
-    const labels = [...document.querySelectorAll('.view-label.metres')];
-    const label = labels.find(({ textContent }) => textContent === nearest);
-    return Number(label.style.opacity) === 0;
-  }, nearest);
+  await waitForView(page, ABOVE);
+  // Numbers of the y axis stand beside each other, and tell where the line is on which those of the x axis stand.
+  const { text, place } = await page.evaluate(() => {
+    const labels = [...document.querySelectorAll('.view-label.metres')].filter(
+      ({ style }) => Number(style.opacity) > 0.5,
+    );
+    const placed = labels.map((label) => {
+      const { left, top, width, height } = label.getBoundingClientRect();
+      const [axis, at] = label.textContent.split(' ');
+      return { text: label.textContent, axis, at: Number(at), x: left + width / 2, y: top + height / 2 };
+    });
+    const [one, other] = placed.filter(({ axis }) => axis === 'y');
+    const own = placed.find(({ axis }) => axis === 'x');
+    const [dx, dy] = [other.x - one.x, other.y - one.y];
+    const part = ((own.x - one.x) * dx + (own.y - one.y) * dy) / (dx * dx + dy * dy);
+    return { text: own.text, place: [own.at, one.at + part * (other.at - one.at)] };
+  });
+  await connectClient(server.port, `INIT {ClassName USARBot.P3AT} {Name Robot1} {Location ${place},-0.2}`);
+  await page.waitForFunction((text) => {
+    const label = [...document.querySelectorAll('.view-label.metres')].find(({ textContent }) => textContent === text);
+    return label && Number(label.style.opacity) === 0;
+  }, text);
 });
 
 pageTest('forces have a colour of their own that stays at the lowest quality', rough, async ({ page }) => {

@@ -1,7 +1,7 @@
 /** Lines each metre and stronger ones each five, drawn by one shader on one quad that fades with distance. */
 
 import * as THREE from 'three';
-import { AXIS_COLOURS, type Theme } from './colours';
+import { AXIS_COLOURS } from './colours';
 
 /** Half the edge of the quad, m. */
 const REACH = 200;
@@ -55,7 +55,7 @@ const FRAGMENT = `
 export class Grid {
   readonly mesh: THREE.Mesh;
   private readonly uniforms = {
-    line: { value: new THREE.Color() },
+    line: { value: new THREE.Color('#2b3440') },
     xAxis: { value: new THREE.Color(AXIS_COLOURS[0]) },
     yAxis: { value: new THREE.Color(AXIS_COLOURS[1]) },
     strength: { value: 0.2 },
@@ -77,11 +77,6 @@ export class Grid {
     this.mesh = new THREE.Mesh(new THREE.PlaneGeometry(2 * REACH, 2 * REACH), material);
     this.mesh.renderOrder = 2;
     this.mesh.frustumCulled = false;
-  }
-
-  setTheme({ line, lineStrength }: Theme): void {
-    this.uniforms.line.value.set(line);
-    this.uniforms.strength.value = lineStrength;
   }
 
   /** Follows what is looked at from so far away, m. */

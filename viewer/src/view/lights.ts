@@ -1,7 +1,7 @@
 /** Light from everywhere and a key light with a soft shadow, which covers what is looked at. */
 
 import * as THREE from 'three';
-import type { Theme } from './colours';
+import { LIGHT } from './colours';
 
 /** Direction of the key light. */
 const DIRECTION = new THREE.Vector3(-0.42, 0.3, 0.86).normalize();
@@ -16,7 +16,6 @@ export class Lights {
   private readonly key = new THREE.DirectionalLight();
   private readonly centre = new THREE.Vector3();
   private reach = 0;
-  private theme: Theme | null = null;
 
   constructor() {
     const { shadow } = this.key;
@@ -24,21 +23,16 @@ export class Lights {
     shadow.radius = 2.2;
     shadow.bias = -0.0006;
     this.ambient.position.set(0, 0, 1);
+    this.ambient.color.set(LIGHT.fromSky);
+    this.ambient.groundColor.set(LIGHT.fromGround);
+    this.key.color.set(LIGHT.key);
+    this.key.intensity = LIGHT.keyStrength;
     this.group.add(this.ambient, this.key, this.key.target);
-  }
-
-  setTheme(theme: Theme): void {
-    this.theme = theme;
-    this.ambient.color.set(theme.fromSky);
-    this.ambient.groundColor.set(theme.fromGround);
-    this.key.color.set(theme.key);
-    this.key.intensity = theme.keyStrength;
-    this.setEnvironment(false);
   }
 
   /** Sets the ambient light. An environment gives a part of it. */
   setEnvironment(has: boolean): void {
-    this.ambient.intensity = (this.theme?.ambient ?? 1) * (has ? 0.6 : 1);
+    this.ambient.intensity = LIGHT.ambient * (has ? 0.6 : 1);
   }
 
   castShadows(casts: boolean): void {

@@ -4,7 +4,6 @@ import * as THREE from 'three';
 import { startsOf } from '../offer';
 import type { ObjectState } from '../protocol/frame';
 import type { Pose, Scene, Solid } from '../protocol/scene';
-import type { Theme } from './colours';
 import { type Decal, Decals } from './decals';
 import { drawnSolid, edgesOf } from './look';
 import { moveTo, setPose } from './pose';
@@ -12,10 +11,16 @@ import { shapeGeometry, merged } from './solid';
 import { type SurfaceName, type Surfaces, surfaceOf } from './surfaces';
 
 const IDENTITY: Pose = [0, 0, 0, 0, 0, 0, 1];
+/** Lines along the edges of solids. */
+const EDGE = { color: 0x20242b, opacity: 0.38 };
 /** The colour of starts. */
 const START = 0x4a86c8;
-/** A solid that begins higher above the floor casts no contact shadow, m. */
+/** A solid that begins higher above what it stands on casts no contact shadow, m. */
 const TOUCHING = 0.03;
+/** Cosine of the angle up to which a thing is upright. */
+const UPRIGHT = 0.98;
+/** Half the edge of the largest mesh that has a contact shadow, m. */
+const LARGEST_MESH = 1.5;
 
 /** Lookup of a movable object by number; null while it is unknown. */
 export type Catalogue = (number: number) => Solid | null;
@@ -34,9 +39,10 @@ export class MapView {
   readonly bounds = new THREE.Box3();
   /** Shown objects by number. */
   private readonly objects = new Map<number, { solid: Solid; mesh: THREE.Mesh }>();
+  private readonly tops: Top[];
   private readonly standing: Decals;
   private readonly moving: Decals;
-  private readonly edges = new THREE.LineBasicMaterial({ transparent: true, depthWrite: false });
+  private readonly edges = new THREE.LineBasicMaterial({ ...EDGE, transparent: true, depthWrite: false });
 
   constructor(
     private readonly scene: Scene,
@@ -53,11 +59,17 @@ export class MapView {
     const edges = this.lines(solids.flatMap((solid) => edgesOf(solid, solid.pose)));
     for (const { position, rotation } of startsOf(scene)) this.starts.add(startMark(position, rotation[2]));
     this.group.add(this.ground, edges, this.starts);
+    this.tops = topsOf(solids);
     this.standing = new Decals(this.group);
-    this.standing.set(solids.flatMap((solid) => contactShadow(solid, solid.pose) ?? []));
+    this.standing.set(solids.flatMap((solid) => contactShadow(solid, solid.pose, this.tops) ?? []));
     this.moving = new Decals(this.group);
     this.place(objectsOf(scene));
     this.measure();
+  }
+
+  /** True if it stands on a plane without an end at a height of 0. */
+  get hasFloor(): boolean {
+    return this.scene.map.solids.some(({ shape, pose }) => shape === 'HalfSpace' && Math.abs(pose[2]) < 1e-6);
   }
 
   /** Decals on the floor. */
@@ -74,12 +86,7 @@ export class MapView {
     const numbers = new Set(known.map(({ number }) => number));
     for (const number of this.objects.keys()) if (!numbers.has(number)) this.remove(number);
     for (const { number, pose, solid } of known) moveTo(this.objectMesh(number, solid), pose);
-    this.moving.set(known.flatMap(({ solid, pose }) => contactShadow(solid, pose) ?? []));
-  }
-
-  setTheme({ edge, edgeStrength }: Theme): void {
-    this.edges.color.set(edge);
-    this.edges.opacity = edgeStrength;
+    this.moving.set(known.flatMap(({ solid, pose }) => contactShadow(solid, pose, this.tops) ?? []));
   }
 
   dispose(): void {
@@ -147,23 +154,66 @@ function boundsOf(shape: Solid['shape'], pose: Pose): THREE.Box3 {
   return geometry.boundingBox ?? new THREE.Box3();
 }
 
-/** Under what stands upright on the floor. */
-function contactShadow({ shape }: Solid, pose: Pose): Decal | null {
-  if (shape === 'HalfSpace' || 'Mesh' in shape || 'Hull' in shape || 'HeightField' in shape) return null;
-  const size =
-    'Box' in shape
-      ? shape.Box.size.map((edge) => edge / 2)
-      : 'Cylinder' in shape
-        ? [shape.Cylinder.radius, shape.Cylinder.radius, shape.Cylinder.length / 2]
-        : [0.4 * shape.Ball.radius, 0.4 * shape.Ball.radius, shape.Ball.radius];
-  const [x = 0, y = 0, z = 0] = size;
+/** Top of a box of the map, on which other things stand. */
+interface Top {
+  /** Pose of the box, and half its length, breadth and height, m. */
+  inverse: THREE.Matrix4;
+  half: [number, number];
+  /** Height of its top in the wire's frame, m: down is positive. */
+  z: number;
+}
+
+/** Returns the tops of the boxes that lie level. */
+function topsOf(solids: Solid[]): Top[] {
+  return solids.flatMap(({ shape, pose }) => {
+    if (shape === 'HalfSpace' || !('Box' in shape)) return [];
+    const [x, y, z] = shape.Box.size;
+    const matrix = setPose(new THREE.Matrix4(), pose);
+    if (new THREE.Vector3(0, 0, 1).transformDirection(matrix).z < UPRIGHT) return [];
+    return [{ inverse: matrix.invert(), half: [x / 2, y / 2] as [number, number], z: pose[2] - z / 2 }];
+  });
+}
+
+/** Returns the shadow under what stands upright on the floor, or on a box. */
+function contactShadow({ shape }: Solid, pose: Pose, tops: Top[]): Decal | null {
+  if (shape === 'HalfSpace' || 'HeightField' in shape) return null;
+  const [x, y, z] = halfOf(shape);
+  // A mesh of the size of a room is no thing that stands there.
+  if ('Mesh' in shape && Math.max(x, y) > LARGEST_MESH) return null;
   const matrix = setPose(new THREE.Matrix4(), pose);
   const down = new THREE.Vector3(0, 0, 1).transformDirection(matrix);
-  if (Math.abs(pose[2] + z * down.z) > TOUCHING || down.z < 0.98) return null;
+  if (down.z < UPRIGHT) return null;
+  const bottom = pose[2] + z * down.z;
+  const holds = ({ inverse, half, z: top }: Top) => {
+    const at = new THREE.Vector3(pose[0], pose[1], top).applyMatrix4(inverse);
+    return Math.abs(bottom - top) < TOUCHING && Math.abs(at.x) < half[0] && Math.abs(at.y) < half[1];
+  };
+  const ground = Math.abs(bottom) <= TOUCHING ? 0 : tops.find(holds)?.z;
+  if (ground === undefined) return null;
   // What is low keeps less light away.
   const shadow = 0.42 * Math.min(1, (2 * z) / 0.4);
-  return { matrix: matrix.setPosition(pose[0], pose[1], -0.002), size: [x, y], shadow };
+  const round = 'Ball' in shape ? 0.4 : 1;
+  return { matrix: matrix.setPosition(pose[0], pose[1], ground - 0.002), size: [round * x, round * y], shadow };
 }
+
+/** Returns half the length, breadth and height of a shape about its own origin, m. */
+function halfOf(shape: Exclude<Solid['shape'], 'HalfSpace'>): [number, number, number] {
+  if ('Box' in shape) return shape.Box.size.map((edge) => edge / 2) as [number, number, number];
+  if ('Ball' in shape) return [shape.Ball.radius, shape.Ball.radius, shape.Ball.radius];
+  if ('Cylinder' in shape) return [shape.Cylinder.radius, shape.Cylinder.radius, shape.Cylinder.length / 2];
+  const known = halves.get(shape);
+  if (known) return known;
+  const geometry = shapeGeometry(shape);
+  geometry.computeBoundingBox();
+  const { min, max } = geometry.boundingBox ?? new THREE.Box3();
+  geometry.dispose();
+  const half: [number, number, number] = [Math.min(-min.x, max.x), Math.min(-min.y, max.y), max.z];
+  halves.set(shape, half);
+  return half;
+}
+
+/** Of hulls and meshes, which are many corners. */
+const halves = new WeakMap<object, [number, number, number]>();
 
 /** A quiet arrow where robots start, along their direction. */
 function startMark([x, y, z]: [number, number, number], yaw: number): THREE.Object3D {

@@ -26,9 +26,10 @@ class BodiesOnly extends GTAOPass {
 export class OcclusionRenderer {
   private readonly composer: EffectComposer;
   private readonly pass: BodiesOnly;
+  private readonly output = new OutputPass();
 
   constructor(
-    renderer: THREE.WebGLRenderer,
+    private readonly renderer: THREE.WebGLRenderer,
     scene: THREE.Scene,
     camera: THREE.Camera,
     bodiless: () => THREE.Object3D[],
@@ -45,7 +46,7 @@ export class OcclusionRenderer {
     this.pass.blendIntensity = 0.9;
     this.composer.addPass(new RenderPass(scene, camera));
     this.composer.addPass(this.pass);
-    this.composer.addPass(new OutputPass());
+    this.composer.renderToScreen = false;
   }
 
   resize(width: number, height: number, ratio: number): void {
@@ -53,7 +54,11 @@ export class OcclusionRenderer {
     this.composer.setSize(width, height);
   }
 
-  render(): void {
+  /** Draws on the canvas, or aside. */
+  render(target: THREE.WebGLRenderTarget | null = null): void {
     this.composer.render();
+    this.output.renderToScreen = target === null;
+    this.output.render(this.renderer, target ?? this.composer.writeBuffer, this.composer.readBuffer, 0, false);
+    this.renderer.setRenderTarget(null);
   }
 }

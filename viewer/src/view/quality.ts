@@ -44,7 +44,8 @@ const PATIENCE = 20_000;
 
 export class Ladder {
   rung: Quality;
-  private fixed = false;
+  /** True while somebody holds the rung. */
+  isFixed = false;
   private times: number[] = [];
   private settling = SETTLING;
   private readonly tooDear = new Map<Quality, { until: number; wait: number }>();
@@ -57,13 +58,13 @@ export class Ladder {
   }
 
   set(quality: Quality | 'auto'): void {
-    this.fixed = quality !== 'auto';
+    this.isFixed = quality !== 'auto';
     if (quality !== 'auto') this.go(quality);
   }
 
   /** A frame took so long, ms. */
   took(time: number): void {
-    if (this.fixed || this.settling-- > 0) return;
+    if (this.isFixed || this.settling-- > 0) return;
     this.times.push(time);
     if (this.times.length < JUDGED) return;
     const middle = this.times.sort((a, b) => a - b)[JUDGED >> 1] ?? 0;

@@ -3,7 +3,6 @@
 import * as THREE from 'three';
 import type { Frame, RobotState } from '../protocol/frame';
 import type { RobotClass, Scene } from '../protocol/scene';
-import { colourOf } from './colours';
 import { type Decal, Decals } from './decals';
 import { setPose } from './pose';
 import { type Placed, RobotFleet } from './robot';
@@ -40,6 +39,7 @@ export class Robots {
     private readonly scene: Scene,
     private readonly surfaces: Surfaces,
     private readonly roster: Roster,
+    private readonly colours: (robot: number) => string,
   ) {
     this.decals = new Decals(this.group);
   }
@@ -82,8 +82,7 @@ export class Robots {
       const entry = this.roster(state.id);
       const fleet = entry && this.fleet(entry.class);
       if (!fleet) return [];
-      const colour = colourOf({ id: state.id, name: entry.name });
-      return [{ state, name: entry.name || entry.class, colour, fleet }];
+      return [{ state, name: entry.name || entry.class, colour: this.colours(state.id), fleet }];
     });
     for (const fleet of this.fleets.values()) {
       const own = this.known.filter((known) => known.fleet === fleet);

@@ -11,8 +11,6 @@ import type { Robots } from './robots';
 /** Metres between two labels on an axis that can be chosen, and the least that is between them on the screen, px. */
 const STEPS = [0.5, 1, 2, 5, 10, 20, 50, 100];
 const LEAST_GAP = 110;
-/** Labels to each side of what is looked at. */
-const REACH = 7;
 /** Axes on the stage. */
 const X_AXIS = new THREE.Vector3(1, 0, 0);
 const Y_AXIS = new THREE.Vector3(0, -1, 0);
@@ -59,25 +57,31 @@ export function labelRobots(labels: Labels, robots: Robots): void {
   labels.first = robots.selected === null ? null : `robot ${robots.selected}`;
 }
 
-/** Along the axes through the origin, around what is looked at. */
-export function labelMetres(labels: Labels, target: THREE.Vector3, metresPer100Pixels: number): void {
+/** Metres along the two sides of a box of the stage that are nearer to the eye, as on a chart's edges. */
+export function labelMetres(
+  labels: Labels,
+  { min, max }: THREE.Box3,
+  eye: THREE.Vector3,
+  metresPer100Pixels: number,
+): void {
   const gap = (LEAST_GAP / 100) * metresPer100Pixels;
   const step = STEPS.find((length) => length >= gap) ?? 200;
+  const [right, left] = [eye.x > (min.x + max.x) / 2 ? max.x : min.x, eye.y > (min.y + max.y) / 2 ? max.y : min.y];
   const keys = new Set<string>();
-  const [x0, y0] = [Math.round(target.x / step), Math.round(-target.y / step)];
-  for (let number = -REACH; number <= REACH; number++) {
-    for (const [axis, at] of [
-      ['x', (x0 + number) * step],
-      ['y', (y0 + number) * step],
-    ] as const) {
-      if (at === 0) continue;
-      const key = `metres ${axis} ${at}`;
-      keys.add(key);
-      const [place, along] = axis === 'x' ? [onStage([at, 0, 0]), X_AXIS] : [onStage([0, at, 0]), Y_AXIS];
-      labels.set(key, 'metres', `${axis} ${at}`, place, { along });
-    }
-  }
+  const add = (axis: 'x' | 'y', at: number, place: THREE.Vector3) => {
+    const key = `metres ${axis} ${at}`;
+    keys.add(key);
+    labels.set(key, 'metres', `${axis} ${at}`, place, { along: axis === 'x' ? X_AXIS : Y_AXIS });
+  };
+  for (const at of multiples(step, min.x, max.x)) add('x', at, new THREE.Vector3(at, left, 0));
+  for (const at of multiples(step, -max.y, -min.y)) add('y', at, new THREE.Vector3(right, -at, 0));
   labels.keep('metres', keys);
+}
+
+/** Multiples of a step between two numbers. */
+function multiples(step: number, least: number, most: number): number[] {
+  const first = Math.ceil(least / step);
+  return Array.from({ length: Math.max(0, Math.floor(most / step) - first + 1) }, (_, index) => (first + index) * step);
 }
 
 function onStage([x, y, z]: [number, number, number]): THREE.Vector3 {

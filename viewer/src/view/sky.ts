@@ -1,7 +1,7 @@
 /** A dome that goes from the colour of the horizon to that of the zenith; drawn where nothing else is. */
 
 import * as THREE from 'three';
-import type { Theme } from './colours';
+import { LIGHT } from './colours';
 
 const VERTEX = `
   varying vec3 direction;
@@ -21,13 +21,14 @@ const FRAGMENT = `
 
 export class Sky {
   readonly mesh: THREE.Mesh;
-  private readonly uniforms = { horizon: { value: new THREE.Color() }, zenith: { value: new THREE.Color() } };
-
   constructor() {
     const material = new THREE.ShaderMaterial({
       vertexShader: VERTEX,
       fragmentShader: FRAGMENT,
-      uniforms: this.uniforms,
+      uniforms: {
+        horizon: { value: new THREE.Color(LIGHT.horizon) },
+        zenith: { value: new THREE.Color(LIGHT.zenith) },
+      },
       side: THREE.BackSide,
       depthWrite: false,
     });
@@ -35,10 +36,5 @@ export class Sky {
     this.mesh.frustumCulled = false;
     // After what is in front of it, so that only what is seen of it costs.
     this.mesh.renderOrder = 1;
-  }
-
-  setTheme({ horizon, zenith }: Theme): void {
-    this.uniforms.horizon.value.set(horizon);
-    this.uniforms.zenith.value.set(zenith);
   }
 }

@@ -1,13 +1,14 @@
 /** The renderer with its light, sky and grid, at one of the rungs of quality. */
 
 import * as THREE from 'three';
-import { DARK, LIGHT, type Theme } from './colours';
+import { LIGHT } from './colours';
 import { makeEnvironment } from './environment';
 import { Grid } from './grid';
 import { Lights } from './lights';
 import { OcclusionRenderer } from './occlusion';
 import { pathUniforms } from './paths';
 import { Ladder, type Quality, RUNGS, type Rung, isSoftware } from './quality';
+import { Rim } from './rim';
 import { Sky } from './sky';
 import { Stopwatch } from './stopwatch';
 import { Surfaces } from './surfaces';
@@ -19,6 +20,11 @@ const LEAST_BREADTH = 1.2;
 
 /** Settings of a picture that is saved, however long it takes. */
 const SAVED: Rung = { ...RUNGS[5], pixelRatio: (screen) => screen };
+/** Settings of a still picture without a graphics card, where what shiny things reflect takes seconds to make, and holds up the view. */
+const STILL_OF_SOFTWARE: Rung = { ...SAVED, shading: 'matte' };
+
+/** Rows beside a strip that are drawn with it: corners are dark by what is around them. */
+const MARGIN = 24;
 
 export class Stage {
   readonly renderer: THREE.WebGLRenderer;
@@ -27,22 +33,27 @@ export class Stage {
   readonly world = new THREE.Group();
   readonly surfaces: Surfaces;
   readonly grid = new Grid();
+  readonly rim = new Rim();
   readonly isSoftware = isSoftware();
   readonly ladder: Ladder;
   readonly stopwatch: Stopwatch;
-  theme: Theme = LIGHT;
   private readonly lights = new Lights();
   private readonly sky = new Sky();
   private readonly fog = new THREE.Fog(0xffffff, 30, 120);
   private environment: THREE.Texture | null = null;
   private occlusion: OcclusionRenderer | null = null;
+  /** Draws strips of still pictures, and takes them. */
+  private aside: { renderer: OcclusionRenderer; target: THREE.WebGLRenderTarget } | null = null;
   private size = { width: 1, height: 1 };
-  private isSaving = false;
+  /** Settings of a picture that is drawn whatever the ladder says. */
+  private held: Rung | null = null;
 
   constructor(
     canvas: HTMLCanvasElement,
-    private readonly camera: THREE.Camera,
+    private readonly camera: THREE.PerspectiveCamera,
     private readonly bodiless: () => THREE.Object3D[],
+    /** Tells the size of what is drawn on, px, and its pixels over those of the page. */
+    private readonly resized: (width: number, height: number, ratio: number) => void,
     private readonly changed: () => void,
   ) {
     // Without a graphics card smooth edges would take most of the time.
@@ -56,11 +67,14 @@ export class Stage {
     this.surfaces = new Surfaces(this.isSoftware ? 1 : Math.min(8, this.renderer.capabilities.getMaxAnisotropy()));
     this.world.rotation.x = Math.PI;
     this.scene.fog = this.fog;
-    this.scene.add(this.world, this.lights.group, this.sky.mesh, this.grid.mesh);
+    this.scene.add(this.world, this.lights.group, this.sky.mesh, this.rim.mesh, this.grid.mesh);
     this.ladder = new Ladder(this.isSoftware, () => this.applyQuality());
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.stopwatch = new Stopwatch(gl, (time) => this.ladder.took(time));
-    this.setDark(false);
+    this.fog.color.set(LIGHT.horizon);
+    // Until there is a world to draw.
+    this.renderer.setClearColor(LIGHT.horizon);
+    this.renderer.clear();
     this.applyQuality();
   }
 
@@ -69,24 +83,12 @@ export class Stage {
   }
 
   private get rung(): Rung {
-    return this.isSaving ? SAVED : RUNGS[this.quality];
+    return this.held ?? RUNGS[this.quality];
   }
 
   /** Draws with all pixels of the screen and at the best quality until it is told otherwise. */
   setSaving(isSaving: boolean): void {
-    this.isSaving = isSaving;
-    this.applyQuality();
-  }
-
-  setDark(dark: boolean): void {
-    this.theme = dark ? DARK : LIGHT;
-    this.lights.setTheme(this.theme);
-    this.sky.setTheme(this.theme);
-    this.grid.setTheme(this.theme);
-    this.fog.color.set(this.theme.horizon);
-    // Until there is a world to draw.
-    this.renderer.setClearColor(this.theme.horizon);
-    this.renderer.clear();
+    this.held = isSaving ? SAVED : null;
     this.applyQuality();
   }
 
@@ -96,9 +98,7 @@ export class Stage {
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     this.occlusion?.resize(width, height, ratio);
-    pathUniforms.screen.value.set(width, height);
-    const breadth = PATH_BREADTHS[this.rung.shading === 'standard' ? 1 : 0];
-    pathUniforms.breadth.value = Math.max(breadth, LEAST_BREADTH / ratio);
+    this.setScreen(width, height, ratio);
   }
 
   /** The shadows are drawn anew with the next picture. */
@@ -115,19 +115,78 @@ export class Stage {
     if (this.lights.cover(target, 0.75 * distance)) this.renewShadows();
     if (this.rung.occlusion) this.occluding().render();
     else this.renderer.render(this.scene, this.camera);
-    if (!this.isSaving) this.stopwatch.drawn(began);
+    if (!this.held) this.stopwatch.drawn(began);
+  }
+
+  /** True if a still picture would be better than what is drawn now, and nobody holds a rung. */
+  get canImprove(): boolean {
+    return this.quality < 5 && !this.ladder.isFixed;
+  }
+
+  /**
+   * Draws some rows of a picture of the last view at the best quality, aside. Returns their pixels, from the lowest row up. The picture on the
+   * canvas stays.
+   */
+  async rows(
+    first: number,
+    { width, height, rows }: { width: number; height: number; rows: number },
+  ): Promise<Uint8Array> {
+    const ratio = window.devicePixelRatio;
+    const drawn = rows + 2 * MARGIN;
+    this.aside ??= {
+      renderer: this.occlusionRenderer(),
+      target: new THREE.WebGLRenderTarget(1, 1, { depthBuffer: false }),
+    };
+    const { renderer, target } = this.aside;
+    this.held = this.isSoftware ? STILL_OF_SOFTWARE : SAVED;
+    this.dress();
+    // The first strip's are those of the others.
+    if (first === 0) this.renewShadows();
+    target.setSize(width, drawn);
+    renderer.resize(width, drawn, 1);
+    this.setScreen(width / ratio, drawn / ratio, ratio);
+    this.camera.setViewOffset(width, height, 0, first - MARGIN, width, drawn);
+    renderer.render(target);
+    this.camera.clearViewOffset();
+    this.held = null;
+    this.dress();
+    this.setScreen(this.size.width, this.size.height, this.renderer.getPixelRatio());
+    const kept = Math.min(rows, height - first);
+    const pixels = new Uint8Array(4 * width * kept);
+    await this.renderer.readRenderTargetPixelsAsync(target, 0, drawn - MARGIN - kept, width, kept, pixels);
+    return pixels;
   }
 
   private occluding(): OcclusionRenderer {
     if (!this.occlusion) {
-      const bodiless = () => [this.sky.mesh, this.grid.mesh, ...this.bodiless()];
-      this.occlusion = new OcclusionRenderer(this.renderer, this.scene, this.camera, bodiless);
+      this.occlusion = this.occlusionRenderer();
       this.resize(this.size.width, this.size.height);
     }
     return this.occlusion;
   }
 
+  private occlusionRenderer(): OcclusionRenderer {
+    const bodiless = () => [this.sky.mesh, this.rim.mesh, this.grid.mesh, ...this.bodiless()];
+    return new OcclusionRenderer(this.renderer, this.scene, this.camera, bodiless);
+  }
+
+  /** Sets the size of what is drawn on, px, for lines of some pixels. */
+  private setScreen(width: number, height: number, ratio: number): void {
+    const breadth = PATH_BREADTHS[this.rung.shading === 'standard' ? 1 : 0];
+    pathUniforms.screen.value.set(width, height);
+    pathUniforms.breadth.value = Math.max(breadth, LEAST_BREADTH / ratio);
+    this.resized(width, height, ratio);
+  }
+
   private applyQuality(): void {
+    this.dress();
+    this.resize(this.size.width, this.size.height);
+    this.renewShadows();
+    this.changed();
+  }
+
+  /** Gives everything the materials and the light of the rung. */
+  private dress(): void {
     const { shadows, shading } = this.rung;
     const standard = shading === 'standard';
     this.renderer.shadowMap.enabled = shadows;
@@ -136,10 +195,7 @@ export class Stage {
     this.surfaces.refresh(this.world);
     if (standard) this.environment ??= makeEnvironment(this.renderer);
     this.scene.environment = standard ? this.environment : null;
-    this.scene.environmentIntensity = this.theme.reflection;
+    this.scene.environmentIntensity = LIGHT.reflection;
     this.lights.setEnvironment(standard);
-    this.resize(this.size.width, this.size.height);
-    this.renewShadows();
-    this.changed();
   }
 }

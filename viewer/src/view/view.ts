@@ -4,7 +4,7 @@ import * as THREE from 'three';
 import type { Frame, Scan } from '../protocol/frame';
 import type { Scene, Vector } from '../protocol/scene';
 import { type CameraMode, Cameras } from './cameras';
-import { COLOURS, colourOf } from './colours';
+import { COLOURS } from './colours';
 import { Ghost } from './ghost';
 import { Gizmo } from './gizmo';
 import { type LabelKind, Labels } from './labels';
@@ -16,6 +16,7 @@ import type { Quality } from './quality';
 import { Robots, type Roster } from './robots';
 import { labelMap, labelMetres, labelObjects, labelRobots, labelStarts } from './signs';
 import { Stage } from './stage';
+import { Still } from './still';
 import { frameRate } from './stopwatch';
 
 export { CAMERAS, type CameraMode } from './cameras';
@@ -48,6 +49,7 @@ export class View {
   private readonly cameras: Cameras;
   private readonly labels: Labels;
   private readonly gizmo: Gizmo;
+  private readonly still: Still;
   private readonly outline = new Outline();
   private readonly ghost = new Ghost();
   private world: World | null = null;
@@ -70,8 +72,9 @@ export class View {
     labels: HTMLElement,
     private readonly roster: Roster,
     private readonly catalogue: Catalogue,
+    private readonly colours: (robot: number) => string,
   ) {
-    const refresh = () => (this.stale = true);
+    const refresh = () => this.stir();
     this.cameras = new Cameras(
       canvas,
       {
@@ -84,7 +87,9 @@ export class View {
       refresh,
       (mode) => this.onCamera(mode),
     );
-    this.stage = new Stage(canvas, this.cameras.camera, () => this.bodiless(), refresh);
+    const resized = (width: number, height: number, ratio: number) => this.setScreen(width, height, ratio);
+    this.stage = new Stage(canvas, this.cameras.camera, () => this.bodiless(), resized, refresh);
+    this.still = new Still(canvas, this.stage);
     this.labels = new Labels(labels, (place, kind) => this.isBehind(place, kind));
     this.gizmo = new Gizmo(labels, (yaw, pitch) => this.cameras.lookFrom(yaw, pitch));
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -110,12 +115,11 @@ export class View {
     const world = {
       scene,
       map,
-      robots: new Robots(scene, this.stage.surfaces, this.roster),
-      overlay: new Overlay((id) => this.colour(id)),
+      robots: new Robots(scene, this.stage.surfaces, this.roster, this.colours),
+      overlay: new Overlay(this.colours),
     };
     if (this.world) world.robots.selected = this.world.robots.selected;
     this.world = world;
-    world.map.setTheme(this.stage.theme);
     world.overlay.select(world.robots.selected);
     this.stage.world.add(map.group, world.robots.group, world.overlay.group, this.outline.group, this.ghost.group);
     labelMap(this.labels, scene);
@@ -123,6 +127,7 @@ export class View {
     this.shown.forEach((shown, layer) => this.show(layer, shown));
     this.cameras.home(this.extent(), true);
     this.cameras.wasTouched = false;
+    this.stage.rim.mesh.visible = map.hasFloor;
     this.fitting = null;
     if (!this.stage.isSoftware) this.cameras.startTurntable();
     this.stage.renewShadows();
@@ -136,13 +141,13 @@ export class View {
     const drawn = this.drawnFrame;
     const turned = frame.time !== drawn?.time && this.world?.robots.spin === true;
     if (drawn && !turned && !moved(drawn, frame, forces)) return;
-    this.stale = true;
+    this.stir();
     this.stage.renewShadows();
   }
 
   /** Shows objects of which it is known now what they are. */
   renewObjects(): void {
-    this.stale = true;
+    this.stir();
     this.stage.renewShadows();
   }
 
@@ -151,12 +156,8 @@ export class View {
     const robotClass = this.world?.robots.classOf(scan.robot);
     if (!robot || !robotClass) return;
     this.world?.overlay.scan(scan, robot, robotClass);
+    // The noise of a sensor is no motion.
     this.stale = true;
-  }
-
-  setDark(dark: boolean): void {
-    this.stage.setDark(dark);
-    this.world?.map.setTheme(this.stage.theme);
   }
 
   show(layer: Layer, shown: boolean): void {
@@ -167,7 +168,7 @@ export class View {
     } else if (layer === 'names') {
       Object.assign(this.labels.layers, { robot: shown, start: shown, node: shown, object: shown });
     } else this.world?.overlay.show(layer, shown);
-    this.stale = true;
+    this.stir();
   }
 
   /** Looks in another way, at a robot if there is one. */
@@ -211,7 +212,7 @@ export class View {
     if (!this.world) return;
     this.world.robots.selected = robot;
     this.world.overlay.select(robot);
-    this.stale = true;
+    this.stir();
   }
 
   /** Holds a rung of quality, or lets it follow the time that a frame takes. */
@@ -219,9 +220,9 @@ export class View {
     this.stage.ladder.set(quality);
   }
 
-  /** The rung of the ladder of quality, 1 to 5. */
+  /** The rung of the ladder of quality that is shown, 1 to 5. */
   get quality(): Quality {
-    return this.stage.quality;
+    return this.still.isShown ? 5 : this.stage.quality;
   }
 
   /** While something is dragged by the page, a pointer does not move the camera. */
@@ -231,7 +232,7 @@ export class View {
 
   clearPaths(): void {
     this.world?.overlay.clearPaths();
-    this.stale = true;
+    this.stir();
   }
 
   /** Returns the robot at a point of the screen by its number, or the place of the map in the wire's frame. */
@@ -254,7 +255,7 @@ export class View {
     const fleet = robotClass === null ? null : (this.world?.robots.fleet(robotClass) ?? null);
     const alike = this.world?.robots.all.find((known) => known.fleet === fleet);
     this.ghost.show(fleet, place, yaw, alike?.state ?? null, alike?.colour ?? COLOURS[0]);
-    this.stale = true;
+    this.stir();
   }
 
   /** The picture as a PNG: every pixel of the screen at the best quality, whatever rung is drawn with now. */
@@ -282,6 +283,12 @@ export class View {
     return 100 / this.pixelsPerMetre(this.cameras.distance);
   }
 
+  /** Something else is to be seen. */
+  private stir(): void {
+    this.stale = true;
+    this.still?.stir();
+  }
+
   private draw(now: number): void {
     const seconds = Math.min(0.1, (now - this.last) / 1000);
     if (!this.world || this.stage.stopwatch.behind >= MOST_BEHIND) return;
@@ -291,15 +298,20 @@ export class View {
       if (this.labels.isBusy || this.labelled < (this.drawn.at(-1) ?? 0)) this.placeLabels(now);
       this.idle.push(now);
       if (this.idle.length > 200) this.framesPerSecond();
+      this.still.rest(now);
       return;
     }
+    if (this.cameras.isMoving) this.still.stir();
     this.stale = false;
+    this.stage.rim.surround(this.extent());
     // Before, since the robots are drawn as they are seen from there; after, since it may follow them.
     if (this.frame) this.place(this.world, this.frame);
     this.frameRobots();
     this.cameras.update(seconds);
     this.stage.render(this.cameras.target, this.cameras.distance);
-    if (this.labels.layers.metres) labelMetres(this.labels, this.cameras.target, this.metresPer100Pixels());
+    if (this.labels.layers.metres) {
+      labelMetres(this.labels, this.mapExtent(), this.cameras.eye, this.metresPer100Pixels());
+    }
     if (!this.stage.isSoftware || this.cameras.isMoving || now - this.labelled > LABEL_INTERVAL) this.placeLabels(now);
     this.gizmo.update(this.cameras.camera);
     this.drawn.push(now);
@@ -339,7 +351,7 @@ export class View {
     }
     this.outline.place(
       selected ? selected.fleet.parts(selected.state, eye, frame.time) : [],
-      this.colour(robots.selected ?? 0),
+      this.colours(robots.selected ?? 0),
     );
     this.drawnFrame = frame;
   }
@@ -350,9 +362,13 @@ export class View {
     this.cameras.resize(width, height);
     this.stage.resize(width, height);
     this.labels.resize(width, height);
-    this.outline.resize(width, height, this.stage.renderer.getPixelRatio());
-    this.world?.overlay.resize(this.pixelsPerMetre(1), this.stage.renderer.getPixelRatio());
-    this.stale = true;
+    this.stir();
+  }
+
+  /** Sets the size of what is drawn on: of the view, or of a part of it. */
+  private setScreen(width: number, height: number, ratio: number): void {
+    this.outline.resize(width, height, ratio);
+    this.world?.overlay.resize(this.pixelsPerMetre(1), ratio);
   }
 
   private pixelsPerMetre(distance: number): number {
@@ -404,11 +420,7 @@ export class View {
     if (!this.world || this.world.robots.hovered === robot) return;
     this.world.robots.hovered = robot;
     this.canvas.classList.toggle('over-robot', robot !== null);
-    this.stale = true;
-  }
-
-  private colour(id: number): string {
-    return colourOf({ id, name: this.roster(id)?.name ?? '' });
+    this.stir();
   }
 
   /** Returns the place of a robot on the stage. */
@@ -437,10 +449,14 @@ export class View {
     return mount.multiply(CAMERA_IN_SENSOR).premultiply(this.stage.world.matrixWorld);
   }
 
-  /** Returns the box of the finite parts, with a margin. */
+  /** Returns the box of the map and the robots, with a margin. */
   private extent(): THREE.Box3 {
+    return (this.frame?.robots ?? []).reduce((box, { id }) => box.union(this.extentOf(id) ?? box), this.mapExtent());
+  }
+
+  /** Returns the box of the map's finite parts, with a margin. */
+  private mapExtent(): THREE.Box3 {
     const box = this.world?.map.bounds.clone() ?? new THREE.Box3();
-    for (const { id } of this.frame?.robots ?? []) box.union(this.extentOf(id) ?? new THREE.Box3());
     if (box.isEmpty()) box.expandByPoint(new THREE.Vector3());
     const { x, y } = box.getSize(new THREE.Vector3());
     const room = Math.max(0.3, EMPTY_REACH - Math.max(x, y) / 2);

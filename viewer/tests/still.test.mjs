@@ -1,0 +1,60 @@
+// The still picture at the best quality that covers a view in which nothing moves.
+
+import assert from 'node:assert/strict';
+import { pageTest, setQuality, spawnRobot } from './pagetest.mjs';
+
+const shown = (page) => page.waitForSelector('.view-still.shown');
+const gone = (page) => page.waitForSelector('.view-still:not(.shown)', { state: 'attached' });
+
+pageTest('a view at rest is drawn at the best quality, and gives way to motion', {}, async ({ page }) => {
+  await shown(page);
+  await page.waitForFunction(() => document.querySelector('#rate').textContent === 'Picture quality 5 of 5');
+  await spawnRobot(page, { robotClass: 'P3AT' });
+  await shown(page);
+  await page.keyboard.down('w');
+  await gone(page);
+  await page.keyboard.up('w');
+  await shown(page);
+  const box = await page.locator('#canvas').boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.wheel(0, -200);
+  await gone(page);
+  await shown(page);
+});
+
+pageTest('a still picture has as many pixels as the screen', { page: { deviceScaleFactor: 2 } }, async ({ page }) => {
+  await shown(page);
+  const [drawn, wanted] = await page.evaluate(() => {
+    const [still, canvas] = ['.view-still', '#canvas'].map((it) => document.querySelector(it));
+    return [still.width / canvas.clientWidth, window.devicePixelRatio];
+  });
+  assert.equal(drawn, wanted);
+});
+
+pageTest('a rung of quality that somebody holds has no still picture', {}, async ({ page }) => {
+  await setQuality(page, 1);
+  await page.keyboard.press('Home');
+  await gone(page);
+  await page.waitForFunction(() => /^Picture quality 1 of 5$/.test(document.querySelector('#rate').textContent));
+  // Longer than it would take to begin one.
+  await page.evaluate(
+    () =>
+      new Promise((done) => {
+        const end = performance.now() + 1000;
+        const frame = (now) => (now > end ? done() : requestAnimationFrame(frame));
+        requestAnimationFrame(frame);
+      }),
+  );
+  assert.equal(await page.locator('.view-still.shown').count(), 0);
+});
+
+pageTest('the dark theme leaves the world its light', {}, async ({ page }) => {
+  await shown(page);
+  const still = () => page.evaluate(() => document.querySelector('.view-still').toDataURL());
+  const light = await still();
+  await page.click('#theme');
+  await page.waitForFunction(() => document.documentElement.dataset.theme === 'dark');
+  assert.equal(await page.locator('.view-still.shown').count(), 1);
+  assert.equal(await still(), light);
+  assert.equal(await page.evaluate(() => getComputedStyle(document.querySelector('#world')).colorScheme), 'dark');
+});
