@@ -17,6 +17,7 @@ import { Pictures } from './panel/pictures';
 import { PlayBar } from './panel/play';
 import { PlotsPanel } from './panel/plots';
 import { Pointer } from './panel/pointer';
+import { suggestions } from './panel/suggest';
 import { Toasts } from './panel/toasts';
 import { Tools } from './panel/tools';
 import { Welcome } from './panel/welcome';
@@ -24,6 +25,7 @@ import { WirePanel } from './panel/wire';
 import { WorldPanel } from './panel/world';
 import { Playback } from './playback';
 import type { Frame } from './protocol/frame';
+import { Hand } from './protocol/hand';
 import { Live, type Status } from './protocol/live';
 import { network } from './protocol/network';
 import type { Scene } from './protocol/scene';
@@ -78,7 +80,14 @@ const playback = new Playback(transport.sceneOfLog, {
   shownTime: () => state.frame?.time ?? 0,
 });
 const plots = new PlotsPanel(state, () => playback.past(PLOT_PAST));
-const wire = new WirePanel();
+const hand = new Hand(transport, (why) => say(`The client of the typed lines has left: ${why}`));
+const wire = new WirePanel(
+  (line) => {
+    if (!state.isPresent) say('The page shows the past: the line is not sent.');
+    else if (!drive.sendLine(line)) hand.say(line);
+  },
+  () => suggestions(drive.robotClass, state.scene),
+);
 const toasts = new Toasts();
 const pace = new Pace();
 const tools = new Tools(state, view);

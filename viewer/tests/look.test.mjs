@@ -54,7 +54,7 @@ pageTest('the fields of Wire are labelled', {}, async ({ page }) => {
   const labels = await page
     .locator('#wire label')
     .evaluateAll((all) => all.map((label) => label.firstChild.textContent));
-  assert.deepEqual(labels, ['Filter', 'Lines', 'Client']);
+  assert.deepEqual(labels, ['Line', 'Filter', 'Lines', 'Client']);
   assert.deepEqual(await page.locator('[name=direction] option').allTextContents(), [
     'all',
     'from the client',

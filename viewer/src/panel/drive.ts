@@ -107,6 +107,17 @@ export class DrivePanel {
     document.addEventListener('visibilitychange', () => document.hidden && this.release());
   }
 
+  /** Class of the driven robot; null without one. */
+  get robotClass(): RobotClass | null {
+    return this.driven?.client.robot ?? null;
+  }
+
+  /** Sends a line that somebody typed as the driven robot's client. Returns false without one. */
+  sendLine(line: string): boolean {
+    this.driven?.client.say(line);
+    return this.driven !== null;
+  }
+
   updateScene(): void {
     this.form.updateScene();
     this.updateFrame();

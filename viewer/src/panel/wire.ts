@@ -1,4 +1,4 @@
-/** The tab of the wire's raw lines, and of what the server says. */
+/** The tab of the wire's raw lines, and of what the server says; and a line of one's own. */
 
 import type { WireLine } from '../protocol/live';
 import { find, make } from './dom';
@@ -14,6 +14,18 @@ const INTERVAL = 400;
 type Entry = WireLine | { said: string };
 
 export class WirePanel {
+  private readonly own = make('input', {
+    name: 'line',
+    list: 'suggested-lines',
+    autocomplete: 'off',
+    spellcheck: 'false',
+    placeholder: 'DRIVE {Left 2} {Right 2}',
+    title: "A line of the protocol, sent as the driven robot's client; ↑ brings earlier ones back",
+  });
+  private readonly suggested = make('datalist', { id: 'suggested-lines' });
+  /** Lines that were sent, and the place of the one that is shown again, from the end. */
+  private readonly sent: string[] = [];
+  private back = 0;
   private readonly text = make('input', { name: 'filter' });
   private readonly direction = make('select', { name: 'direction' });
   private readonly connection = make('input', {
@@ -29,7 +41,24 @@ export class WirePanel {
   private stale = true;
   private drawn = 0;
 
-  constructor() {
+  /** `say` sends a line. `suggestions` has examples for the robot that is driven now. */
+  constructor(
+    private readonly say: (line: string) => void,
+    suggestions: () => string[],
+  ) {
+    const form = make(
+      'form',
+      { class: 'row' },
+      make('label', {}, 'Line', this.own),
+      make('button', {}, 'Send'),
+      this.suggested,
+    );
+    form.onsubmit = (event) => {
+      event.preventDefault();
+      this.send();
+    };
+    this.own.onfocus = () => this.suggested.replaceChildren(...suggestions().map((value) => make('option', { value })));
+    this.own.onkeydown = (event) => this.recall(event);
     for (const [value, name] of [
       ['', 'all'],
       ['in', 'from the client'],
@@ -48,6 +77,7 @@ export class WirePanel {
     };
     [this.text, this.direction, this.connection].forEach((field) => (field.oninput = () => (this.stale = true)));
     this.element.append(
+      form,
       make(
         'div',
         { class: 'row' },
@@ -77,6 +107,28 @@ export class WirePanel {
     this.drawn = now;
     const shown = this.entries.filter((entry) => this.fits(entry)).slice(-SHOWN);
     this.list.replaceChildren(...shown.reverse().map(item));
+  }
+
+  private send(): void {
+    const line = this.own.value.trim();
+    if (line === '') return;
+    this.say(line);
+    this.sent.push(line);
+    this.back = 0;
+    this.own.value = '';
+  }
+
+  /** Brings lines that were sent back with the arrow keys, as a shell does. */
+  private recall(event: KeyboardEvent): void {
+    const step = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+    // With text of one's own the arrows choose among suggestions.
+    if (step === undefined || (this.back === 0 && this.own.value !== '')) return;
+    const back = Math.min(this.sent.length, Math.max(0, this.back + step));
+    if (back === this.back) return;
+    event.preventDefault();
+    this.back = back;
+    this.own.value = this.sent.at(-back) ?? '';
+    if (back === 0) this.own.value = '';
   }
 
   private add(entry: Entry): void {

@@ -85,6 +85,11 @@ export class Client {
     this.set(`SET {Type Gripper} {Name ${name}} {Opcode ${opcode}}`, `gripper ${name}`);
   }
 
+  /** Sends a line that somebody typed. */
+  say(line: string): void {
+    this.send(line);
+  }
+
   /** Ends the connection; the robot leaves with it. */
   end(): void {
     this.isEnded = true;

@@ -129,9 +129,8 @@ export class Stage {
    */
   async rows(
     first: number,
-    { width, height, rows }: { width: number; height: number; rows: number },
+    { width, height, rows, ratio }: { width: number; height: number; rows: number; ratio: number },
   ): Promise<Uint8Array> {
-    const ratio = window.devicePixelRatio;
     const drawn = rows + 2 * MARGIN;
     this.aside ??= {
       renderer: this.occlusionRenderer(),

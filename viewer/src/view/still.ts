@@ -7,8 +7,10 @@ import type { Stage } from './stage';
 
 /** Time without motion after which it is drawn, ms. */
 const REST = 250;
-/** Strips of a picture: with a graphics card, and without one. */
-const STRIPS = { hardware: 1, software: 5 };
+/** Pixels of a strip, with a graphics card and without one: the memory that it takes there, and a third of a second here. */
+const STRIP = { hardware: 1_500_000, software: 110_000 };
+/** Most pixels along one of the page's pixels. */
+const FINEST = 2;
 
 export class Still {
   private readonly canvas = document.createElement('canvas');
@@ -46,14 +48,14 @@ export class Still {
   private async draw(): Promise<void> {
     this.state = 'drawn';
     const { motions } = this;
-    const ratio = window.devicePixelRatio;
+    const ratio = Math.min(FINEST, window.devicePixelRatio);
     const [width, height] = [this.view.clientWidth, this.view.clientHeight].map((length) => Math.round(length * ratio));
     const context = this.canvas.getContext('2d', { alpha: false });
     if (!width || !height || !context) return;
     Object.assign(this.canvas, { width, height });
-    const rows = Math.ceil(height / (this.stage.isSoftware ? STRIPS.software : STRIPS.hardware));
+    const rows = Math.ceil((this.stage.isSoftware ? STRIP.software : STRIP.hardware) / width);
     for (let first = 0; first < height; first += rows) {
-      const pixels = await this.stage.rows(first, { width, height, rows });
+      const pixels = await this.stage.rows(first, { width, height, rows, ratio });
       // What has moved meanwhile would be torn.
       if (motions !== this.motions) return;
       context.putImageData(new ImageData(upright(pixels, width), width), 0, first);

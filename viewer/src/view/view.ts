@@ -218,6 +218,7 @@ export class View {
   /** Holds a rung of quality, or lets it follow the time that a frame takes. */
   setQuality(quality: Quality | 'auto'): void {
     this.stage.ladder.set(quality);
+    this.stir();
   }
 
   /** The rung of the ladder of quality that is shown, 1 to 5. */
