@@ -1,7 +1,7 @@
 // The still picture at the best quality that covers a view in which nothing moves.
 
 import assert from 'node:assert/strict';
-import { pageTest, setQuality, spawnRobot } from './pagetest.mjs';
+import { ABOVE, near, pageTest, setQuality, spawnRobot, waitForPixels, waitForView } from './pagetest.mjs';
 
 const shown = (page) => page.waitForSelector('.view-still.shown');
 const gone = (page) => page.waitForSelector('.view-still:not(.shown)', { state: 'attached' });
@@ -57,4 +57,12 @@ pageTest('the dark theme leaves the world its light', {}, async ({ page }) => {
   assert.equal(await page.locator('.view-still.shown').count(), 1);
   assert.equal(await still(), light);
   assert.equal(await page.evaluate(() => getComputedStyle(document.querySelector('#world')).colorScheme), 'dark');
+});
+
+pageTest('walls have shadows on the floor at a low quality', { serve: ['--map', 'factory'] }, async ({ page }) => {
+  await setQuality(page, 2);
+  await page.selectOption('#camera', 'top');
+  await waitForView(page, ABOVE);
+  // The floor in the shade.
+  await waitForPixels(page, 6000, ...near('#77746e', 10));
 });

@@ -3,8 +3,8 @@
 import * as THREE from 'three';
 import { LIGHT } from './colours';
 
-/** Direction of the key light. */
-const DIRECTION = new THREE.Vector3(-0.42, 0.3, 0.86).normalize();
+/** Direction from which the key light comes, on the stage. */
+export const LIGHT_FROM = new THREE.Vector3(-0.42, 0.3, 0.86).normalize();
 const MAP_SIZE = 1024;
 /** The least and the greatest half edge of what has shadows, m. */
 const LEAST_REACH = 1.5;
@@ -48,7 +48,7 @@ export class Lights {
     this.reach = fits ? this.reach : reach * 1.1;
     this.centre.copy(place);
     this.key.target.position.copy(place);
-    this.key.position.copy(place).addScaledVector(DIRECTION, 3 * this.reach);
+    this.key.position.copy(place).addScaledVector(LIGHT_FROM, 3 * this.reach);
     const camera = this.key.shadow.camera;
     Object.assign(camera, { left: -this.reach, right: this.reach, top: this.reach, bottom: -this.reach });
     Object.assign(camera, { near: 0.2 * this.reach, far: 6 * this.reach });

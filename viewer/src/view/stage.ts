@@ -9,6 +9,7 @@ import { OcclusionRenderer } from './occlusion';
 import { pathUniforms } from './paths';
 import { Ladder, type Quality, RUNGS, type Rung, isSoftware } from './quality';
 import { Rim } from './rim';
+import { Shade } from './shade';
 import { Sky } from './sky';
 import { Stopwatch } from './stopwatch';
 import { Surfaces } from './surfaces';
@@ -34,6 +35,7 @@ export class Stage {
   readonly surfaces: Surfaces;
   readonly grid = new Grid();
   readonly rim = new Rim();
+  private readonly shade = new Shade();
   readonly isSoftware = isSoftware();
   readonly ladder: Ladder;
   readonly stopwatch: Stopwatch;
@@ -47,6 +49,7 @@ export class Stage {
   private size = { width: 1, height: 1 };
   /** Settings of a picture that is drawn whatever the ladder says. */
   private held: Rung | null = null;
+  private hasFloor = false;
 
   constructor(
     canvas: HTMLCanvasElement,
@@ -67,7 +70,7 @@ export class Stage {
     this.surfaces = new Surfaces(this.isSoftware ? 1 : Math.min(8, this.renderer.capabilities.getMaxAnisotropy()));
     this.world.rotation.x = Math.PI;
     this.scene.fog = this.fog;
-    this.scene.add(this.world, this.lights.group, this.sky.mesh, this.rim.mesh, this.grid.mesh);
+    this.scene.add(this.world, this.lights.group, this.sky.mesh, this.rim.mesh, this.grid.mesh, this.shade.mesh);
     this.ladder = new Ladder(this.isSoftware, () => this.applyQuality());
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.stopwatch = new Stopwatch(gl, (time) => this.ladder.took(time));
@@ -99,6 +102,13 @@ export class Stage {
     this.renderer.setSize(width, height, false);
     this.occlusion?.resize(width, height, ratio);
     this.setScreen(width, height, ratio);
+  }
+
+  /** Takes what never moves, whose parts without an end are left out of the box around it. A world without a floor has no shade on it. */
+  setGround(ground: THREE.Object3D, box: THREE.Box3, hasFloor: boolean): void {
+    this.hasFloor = this.rim.mesh.visible = hasFloor;
+    if (hasFloor) this.shade.draw(this.renderer, ground, box);
+    this.dress();
   }
 
   /** The shadows are drawn anew with the next picture. */
@@ -165,7 +175,7 @@ export class Stage {
   }
 
   private occlusionRenderer(): OcclusionRenderer {
-    const bodiless = () => [this.sky.mesh, this.rim.mesh, this.grid.mesh, ...this.bodiless()];
+    const bodiless = () => [this.sky.mesh, this.rim.mesh, this.grid.mesh, this.shade.mesh, ...this.bodiless()];
     return new OcclusionRenderer(this.renderer, this.scene, this.camera, bodiless);
   }
 
@@ -190,6 +200,7 @@ export class Stage {
     const standard = shading === 'standard';
     this.renderer.shadowMap.enabled = shadows;
     this.lights.castShadows(shadows);
+    this.shade.mesh.visible = this.hasFloor && !shadows;
     this.surfaces.setShading(shading);
     this.surfaces.refresh(this.world);
     if (standard) this.environment ??= makeEnvironment(this.renderer);

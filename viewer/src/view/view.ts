@@ -127,7 +127,7 @@ export class View {
     this.shown.forEach((shown, layer) => this.show(layer, shown));
     this.cameras.home(this.extent(), true);
     this.cameras.wasTouched = false;
-    this.stage.rim.mesh.visible = map.hasFloor;
+    this.stage.setGround(map.ground, this.mapExtent(), map.hasFloor);
     this.fitting = null;
     if (!this.stage.isSoftware) this.cameras.startTurntable();
     this.stage.renewShadows();
