@@ -212,7 +212,7 @@ function halfOf(shape: Exclude<Solid['shape'], 'HalfSpace'>): [number, number, n
   return half;
 }
 
-/** Of hulls and meshes, which are many corners. */
+/** Halves of hulls and meshes, which have many corners. */
 const halves = new WeakMap<object, [number, number, number]>();
 
 /** A quiet arrow where robots start, along their direction. */

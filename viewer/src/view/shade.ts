@@ -8,7 +8,7 @@ const PIXELS = 1024;
 const FINEST = 64;
 /** Room around the map into which shadows fall, m. */
 const ROOM = 2;
-/** What is lower casts no shadow, m: the floor itself, and carpets. */
+/** Height below which nothing casts a shadow, m: the floor itself, and carpets. */
 const LOW = 0.01;
 /** Height above the floor, m. */
 const HEIGHT = 0.002;
