@@ -242,3 +242,37 @@ fn middle_of([left, right]: [[f64; 2]; 2]) -> [f64; 2] {
     let part = 0.5 - (lean / LEANING).clamp(-1.0, 1.0) / 2.0;
     [left[0] + width * part, left[1] + (right[1] - left[1]) * part]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::finding::{Counterpart, Key, Peer};
+    use super::*;
+
+    /// Returns a corner of an area on the level at a place, with a gap, m.
+    fn corner(x: f64, y: f64, gap: f64) -> CandidateContact {
+        CandidateContact {
+            key: Key { surface: 0, other: (Peer::Fixed, 0), number: 0 },
+            counterpart: Counterpart::Fixed,
+            touch: Touch::new(Vector3::z(), Vector3::new(x, y, gap), gap),
+            start: Vector3::zeros(),
+            age: 0.0,
+            drift: Vector3::zeros(),
+            friction: 1.0,
+            restitution: 0.0,
+            resistance: 0.0,
+            recovery: 1.0,
+        }
+    }
+
+    #[test]
+    fn a_belt_that_touches_at_one_corner_is_held_there() {
+        // The lowest disc is beside the area.
+        let beside = |_| vec![Touch::new(Vector3::z(), Vector3::new(-0.1, 0.0, 0.0), 0.0)];
+        let belt = Belted { axle: Vector3::y(), width: 0.1, prediction: 1e-3, on_plane: &beside };
+        let area =
+            [corner(0.0, 0.05, 0.0), corner(0.0, -0.05, 0.01), corner(0.3, 0.05, 0.02), corner(0.3, -0.05, 0.03)];
+        let contacts = belt.contacts(vec![&area]);
+        assert_eq!(contacts.len(), 1);
+        assert!((contacts[0].touch.point - Vector3::new(0.0, 0.05, 0.0)).norm() < 1e-9, "{}", contacts[0].touch.point);
+    }
+}
