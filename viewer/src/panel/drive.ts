@@ -114,7 +114,7 @@ export class DrivePanel {
 
   /** Sends a line that somebody typed as the driven robot's client. Returns false without one. */
   sendLine(line: string): boolean {
-    this.driven?.client.say(line);
+    this.driven?.client.send(line);
     return this.driven !== null;
   }
 

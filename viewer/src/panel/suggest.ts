@@ -4,7 +4,7 @@ import { firstClasses, startsOf } from '../offer';
 import { initLine } from '../protocol/client';
 import type { RobotClass, Scene } from '../protocol/scene';
 
-/** Lines for the driver of a robot of a class, or for somebody without a robot. */
+/** Returns lines for the driver of a robot of a class, or for somebody without a robot. */
 export function suggestions(robotClass: RobotClass | null, scene: Scene | null): string[] {
   if (!robotClass) {
     const classes = scene ? firstClasses(scene) : [];

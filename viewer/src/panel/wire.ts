@@ -127,8 +127,7 @@ export class WirePanel {
     if (back === this.back) return;
     event.preventDefault();
     this.back = back;
-    this.own.value = this.sent.at(-back) ?? '';
-    if (back === 0) this.own.value = '';
+    this.own.value = back === 0 ? '' : (this.sent.at(-back) ?? '');
   }
 
   private add(entry: Entry): void {

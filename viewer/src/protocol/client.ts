@@ -2,7 +2,7 @@
 
 import { refusal } from './refusal';
 import type { RobotClass, Vector } from './scene';
-import { token } from './token';
+import { loginLines } from './token';
 import type { Connection, Transport } from './transport';
 
 /** -1 to 1 of what the robot can do. */
@@ -53,8 +53,7 @@ export class Client {
   ) {
     this.connection = transport.open('wire', {
       opened: () => {
-        const own = token();
-        if (own !== null) this.send(`LOGIN {Token ${own}}`);
+        loginLines().forEach((line) => this.send(line));
       },
       received: (data) => {
         this.text += typeof data === 'string' ? data : this.decoder.decode(data, { stream: true });
@@ -83,11 +82,6 @@ export class Client {
   /** Opens or closes a gripper. */
   setGripper(name: string, opcode: 'Open' | 'Close'): void {
     this.set(`SET {Type Gripper} {Name ${name}} {Opcode ${opcode}}`, `gripper ${name}`);
-  }
-
-  /** Sends a line that somebody typed. */
-  say(line: string): void {
-    this.send(line);
   }
 
   /** Ends the connection; the robot leaves with it. */
@@ -128,7 +122,8 @@ export class Client {
     }
   }
 
-  private send(line: string): void {
+  /** Sends a line; it is lost while there is no connection. */
+  send(line: string): void {
     if (this.connection.isOpen) this.connection.send(`${line}\r\n`);
   }
 

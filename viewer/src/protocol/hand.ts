@@ -1,6 +1,6 @@
 /** Lines that somebody types: a client of the protocol that has no robot until its lines ask for one. */
 
-import { token } from './token';
+import { loginLines } from './token';
 import type { Connection, Transport } from './transport';
 
 export class Hand {
@@ -19,9 +19,8 @@ export class Hand {
     if (this.connection?.isOpen) return this.send();
     this.connection ??= this.transport.open('wire', {
       opened: () => {
-        const own = token();
         // Without reports a wrong line would be answered by nothing.
-        this.waiting.unshift(...(own === null ? [] : [`LOGIN {Token ${own}}`]), 'REPORT {Errors true}');
+        this.waiting.unshift(...loginLines(), 'REPORT {Errors true}');
         this.send();
       },
       // The list of lines shows what comes.

@@ -20,6 +20,12 @@ export function token(): string | null {
   return sessionStorage.getItem(KEY);
 }
 
+/** Returns the line that logs a client of the protocol in; none without a token. */
+export function loginLines(): string[] {
+  const own = token();
+  return own === null ? [] : [`LOGIN {Token ${own}}`];
+}
+
 export function setToken(text: string): void {
   sessionStorage.setItem(KEY, text.trim());
 }

@@ -2,7 +2,7 @@
 
 import * as THREE from 'three';
 import type { Colour, RobotClass, Shape } from '../protocol/scene';
-import { shapeGeometry } from './solid';
+import { ownBounds } from './solid';
 
 /**
  * After Okabe and Ito, so that the colour-blind can tell them apart; made to be seen on light and on dark. Red is kept
@@ -21,6 +21,8 @@ export const COLOURS = [
   '#8a8f98',
 ] as const;
 
+/** Difference of the strongest and the weakest part from which a colour counts as one. */
+const VIVID = 0.12;
 /** Difference of two colours below which a ring around a robot is lost beside it: distance in Oklab. */
 const LIKE = 0.16;
 
@@ -56,15 +58,10 @@ export function bodyColour(robotClass: RobotClass): Colour | null {
   return found;
 }
 
-/** Difference of the strongest and the weakest part from which a colour counts as one. */
-const VIVID = 0.12;
-
 /** Returns the area of the box around a shape, m². */
 function areaOf(shape: Shape): number {
-  const geometry = shapeGeometry(shape);
-  geometry.computeBoundingBox();
-  const { x, y, z } = geometry.boundingBox?.getSize(new THREE.Vector3()) ?? { x: 0, y: 0, z: 0 };
-  geometry.dispose();
+  if (shape === 'HalfSpace') return 0;
+  const { x, y, z } = ownBounds(shape).getSize(new THREE.Vector3());
   return x * y + y * z + z * x;
 }
 

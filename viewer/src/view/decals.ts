@@ -1,6 +1,7 @@
 /** Decals on the floor under things: a contact shadow, and a ring in the colour of a robot. */
 
 import * as THREE from 'three';
+import { lyingMaterial } from './floor';
 
 /** Decal of one thing. */
 export interface Decal {
@@ -70,14 +71,10 @@ const FRAGMENT = `
 
 export class Decals {
   mesh: THREE.InstancedMesh;
-  private readonly material = new THREE.ShaderMaterial({
+  private readonly material = lyingMaterial({
     vertexShader: VERTEX,
     fragmentShader: FRAGMENT,
-    transparent: true,
-    depthWrite: false,
     side: THREE.DoubleSide,
-    polygonOffset: true,
-    polygonOffsetFactor: -1,
     polygonOffsetUnits: -4,
   });
 

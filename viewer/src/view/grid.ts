@@ -2,6 +2,7 @@
 
 import * as THREE from 'three';
 import { AXIS_COLOURS } from './colours';
+import { lyingMaterial } from './floor';
 
 /** Half the edge of the quad, m. */
 const REACH = 200;
@@ -63,17 +64,7 @@ export class Grid {
   };
 
   constructor() {
-    const material = new THREE.ShaderMaterial({
-      vertexShader: VERTEX,
-      fragmentShader: FRAGMENT,
-      uniforms: this.uniforms,
-      transparent: true,
-      depthWrite: false,
-      // A floor and this quad are both large and almost in one plane: without an offset the floor hides parts of the lines.
-      polygonOffset: true,
-      polygonOffsetFactor: -1,
-      polygonOffsetUnits: -16,
-    });
+    const material = lyingMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms: this.uniforms });
     this.mesh = new THREE.Mesh(new THREE.PlaneGeometry(2 * REACH, 2 * REACH), material);
     this.mesh.renderOrder = 2;
     this.mesh.frustumCulled = false;

@@ -7,7 +7,7 @@ import type { Pose, Scene, Solid } from '../protocol/scene';
 import { type Decal, Decals } from './decals';
 import { drawnSolid, edgesOf } from './look';
 import { moveTo, setPose } from './pose';
-import { shapeGeometry, merged } from './solid';
+import { merged, ownBounds, shapeGeometry } from './solid';
 import { type SurfaceName, type Surfaces, surfaceOf } from './surfaces';
 
 const IDENTITY: Pose = [0, 0, 0, 0, 0, 0, 1];
@@ -177,7 +177,8 @@ function topsOf(solids: Solid[]): Top[] {
 /** Returns the shadow under what stands upright on the floor, or on a box. */
 function contactShadow({ shape }: Solid, pose: Pose, tops: Top[]): Decal | null {
   if (shape === 'HalfSpace' || 'HeightField' in shape) return null;
-  const [x, y, z] = halfOf(shape);
+  const { min, max } = ownBounds(shape);
+  const [x, y, z] = [Math.min(-min.x, max.x), Math.min(-min.y, max.y), max.z];
   // A mesh of the size of a room is no thing that stands there.
   if ('Mesh' in shape && Math.max(x, y) > LARGEST_MESH) return null;
   const matrix = setPose(new THREE.Matrix4(), pose);
@@ -195,25 +196,6 @@ function contactShadow({ shape }: Solid, pose: Pose, tops: Top[]): Decal | null 
   const round = 'Ball' in shape ? 0.4 : 1;
   return { matrix: matrix.setPosition(pose[0], pose[1], ground - 0.002), size: [round * x, round * y], shadow };
 }
-
-/** Returns half the length, breadth and height of a shape about its own origin, m. */
-function halfOf(shape: Exclude<Solid['shape'], 'HalfSpace'>): [number, number, number] {
-  if ('Box' in shape) return shape.Box.size.map((edge) => edge / 2) as [number, number, number];
-  if ('Ball' in shape) return [shape.Ball.radius, shape.Ball.radius, shape.Ball.radius];
-  if ('Cylinder' in shape) return [shape.Cylinder.radius, shape.Cylinder.radius, shape.Cylinder.length / 2];
-  const known = halves.get(shape);
-  if (known) return known;
-  const geometry = shapeGeometry(shape);
-  geometry.computeBoundingBox();
-  const { min, max } = geometry.boundingBox ?? new THREE.Box3();
-  geometry.dispose();
-  const half: [number, number, number] = [Math.min(-min.x, max.x), Math.min(-min.y, max.y), max.z];
-  halves.set(shape, half);
-  return half;
-}
-
-/** Halves of hulls and meshes, which have many corners. */
-const halves = new WeakMap<object, [number, number, number]>();
 
 /** A quiet arrow where robots start, along their direction. */
 function startMark([x, y, z]: [number, number, number], yaw: number): THREE.Object3D {

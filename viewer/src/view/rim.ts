@@ -2,6 +2,7 @@
 
 import * as THREE from 'three';
 import { LIGHT } from './colours';
+import { lyingMaterial } from './floor';
 
 /** Half the edge of what is drawn, m: as far as is seen. */
 const REACH = 700;
@@ -52,16 +53,7 @@ export class Rim {
   };
 
   constructor() {
-    const material = new THREE.ShaderMaterial({
-      vertexShader: VERTEX,
-      fragmentShader: FRAGMENT,
-      uniforms: this.uniforms,
-      transparent: true,
-      depthWrite: false,
-      polygonOffset: true,
-      polygonOffsetFactor: -1,
-      polygonOffsetUnits: -16,
-    });
+    const material = lyingMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms: this.uniforms });
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute('position', this.corners);
     // Around the map: where nothing fades nothing is drawn.

@@ -1,6 +1,7 @@
 /** Shadow of what never moves on the floor, drawn once: for rungs without a shadow map. */
 
 import * as THREE from 'three';
+import { lyingMaterial } from './floor';
 import { LIGHT_FROM } from './lights';
 
 /** Pixels of the longer edge of the picture, and of a metre at most. */
@@ -67,14 +68,11 @@ export class Shade {
   });
 
   constructor() {
-    const material = new THREE.ShaderMaterial({
+    const material = lyingMaterial({
       vertexShader: VERTEX,
       fragmentShader: FRAGMENT,
       uniforms: { shadow: { value: this.target.texture } },
-      transparent: true,
-      depthWrite: false,
       // Nearer than the floor by little: the foot of a ramp is in front.
-      polygonOffset: true,
       polygonOffsetFactor: 1,
       polygonOffsetUnits: -2,
     });

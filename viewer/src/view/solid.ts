@@ -15,6 +15,20 @@ export function solidGeometry(shape: Shape, pose: Pose, colour: Colouring): THRE
   return coloured(shapeGeometry(shape).applyMatrix4(setPose(new THREE.Matrix4(), pose)), colour);
 }
 
+const bounds = new WeakMap<object, THREE.Box3>();
+
+/** Returns the box around a shape about its own origin, m. It is found once: meshes have many corners. */
+export function ownBounds(shape: Exclude<Shape, 'HalfSpace'>): THREE.Box3 {
+  const known = bounds.get(shape);
+  if (known) return known;
+  const geometry = shapeGeometry(shape);
+  geometry.computeBoundingBox();
+  geometry.dispose();
+  const found = geometry.boundingBox ?? new THREE.Box3();
+  bounds.set(shape, found);
+  return found;
+}
+
 export function shapeGeometry(shape: Shape): THREE.BufferGeometry {
   if (shape === 'HalfSpace') {
     // It is seen from above, which is -z.

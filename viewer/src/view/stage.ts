@@ -49,7 +49,8 @@ export class Stage {
   private size = { width: 1, height: 1 };
   /** Settings of a picture that is drawn whatever the ladder says. */
   private held: Rung | null = null;
-  private hasFloor = false;
+  /** Meshes around the world without a body. */
+  private readonly around = [this.sky, this.rim, this.grid, this.shade].map(({ mesh }) => mesh);
 
   constructor(
     canvas: HTMLCanvasElement,
@@ -70,7 +71,7 @@ export class Stage {
     this.surfaces = new Surfaces(this.isSoftware ? 1 : Math.min(8, this.renderer.capabilities.getMaxAnisotropy()));
     this.world.rotation.x = Math.PI;
     this.scene.fog = this.fog;
-    this.scene.add(this.world, this.lights.group, this.sky.mesh, this.rim.mesh, this.grid.mesh, this.shade.mesh);
+    this.scene.add(this.world, this.lights.group, ...this.around);
     this.ladder = new Ladder(this.isSoftware, () => this.applyQuality());
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.stopwatch = new Stopwatch(gl, (time) => this.ladder.took(time));
@@ -104,9 +105,9 @@ export class Stage {
     this.setScreen(width, height, ratio);
   }
 
-  /** Takes what never moves, whose parts without an end are left out of the box around it. A world without a floor has no shade on it. */
+  /** Takes what never moves, with a box around its finite parts. Without a floor nothing fades, and no shadow falls on it. */
   setGround(ground: THREE.Object3D, box: THREE.Box3, hasFloor: boolean): void {
-    this.hasFloor = this.rim.mesh.visible = hasFloor;
+    this.rim.mesh.visible = hasFloor;
     if (hasFloor) this.shade.draw(this.renderer, ground, box);
     this.dress();
   }
@@ -175,7 +176,7 @@ export class Stage {
   }
 
   private occlusionRenderer(): OcclusionRenderer {
-    const bodiless = () => [this.sky.mesh, this.rim.mesh, this.grid.mesh, this.shade.mesh, ...this.bodiless()];
+    const bodiless = () => [...this.around, ...this.bodiless()];
     return new OcclusionRenderer(this.renderer, this.scene, this.camera, bodiless);
   }
 
@@ -200,7 +201,7 @@ export class Stage {
     const standard = shading === 'standard';
     this.renderer.shadowMap.enabled = shadows;
     this.lights.castShadows(shadows);
-    this.shade.mesh.visible = this.hasFloor && !shadows;
+    this.shade.mesh.visible = this.rim.mesh.visible && !shadows;
     this.surfaces.setShading(shading);
     this.surfaces.refresh(this.world);
     if (standard) this.environment ??= makeEnvironment(this.renderer);
