@@ -19,7 +19,11 @@ export function suggestions(robotClass: RobotClass | null, scene: Scene | null):
   const { joints, grippers } = robotClass;
   return [
     ...drives(robotClass),
-    ...joints.map(({ name, max }) => `SET {Type Joint} {Name ${name}} {Opcode Angle} {Params ${(max / 2).toFixed(2)}}`),
+    // A place in the upper half of its range, wherever that lies.
+    ...joints.map(
+      ({ name, min, max }) =>
+        `SET {Type Joint} {Name ${name}} {Opcode Angle} {Params ${((min + 3 * max) / 4).toFixed(2)}}`,
+    ),
     ...grippers.flatMap(({ name }) =>
       ['Open', 'Close'].map((way) => `SET {Type Gripper} {Name ${name}} {Opcode ${way}}`),
     ),
