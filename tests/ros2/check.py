@@ -18,9 +18,11 @@ import time
 HERE = pathlib.Path(__file__).parent
 ROOT = HERE.parent.parent
 DISTRIBUTIONS = ["jazzy", "kilted"]
-# What one distribution sets for itself keeps the Python of another from starting.
 SERVERS = []
+# What one distribution sets for itself keeps the Python of another from starting.
 ENVIRONMENT = {key: value for key, value in os.environ.items() if key not in ("LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")}
+# The server speaks UDP. Shared memory between two nodes has locks, at which a node waits for ever when another one was killed.
+ENVIRONMENT["FASTDDS_BUILTIN_TRANSPORTS"] = "UDPv4"
 
 
 @contextlib.contextmanager
@@ -71,7 +73,7 @@ def peer(distribution, *arguments):
     return subprocess.Popen([python, HERE / script, *map(str, arguments)], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT)
 
 
-def result(process, timeout=120):
+def result(process, timeout=170):
     output, _ = process.communicate(timeout=timeout)
     assert process.returncode == 0, process.args
     return json.loads(output.splitlines()[-1])

@@ -1,8 +1,10 @@
 """A stock node of ROS 2. Usage: node.py TASK ARGUMENTS; it prints what it saw as JSON."""
 
 import collections
+import faulthandler
 import json
 import math
+import os
 import sys
 import time
 
@@ -17,6 +19,8 @@ from std_msgs.msg import Bool, Float64MultiArray, String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+# Time after which a node hangs, s. `follow` takes longest.
+HANGS = 150
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 TYPES = {
     "joint_states": JointState,
@@ -266,4 +270,9 @@ def follow(space, duration="120"):
 
 
 if __name__ == "__main__":
+    # A node that hangs says where, before its caller gives up.
+    faulthandler.dump_traceback_later(HANGS, exit=True)
     globals()[sys.argv[1]](*sys.argv[2:])
+    # Fast DDS can wait for its own threads for ever when Python takes it down, so it is not taken down.
+    sys.stdout.flush()
+    os._exit(0)
