@@ -84,7 +84,7 @@ fn a_world_does_not_depend_on_what_others_of_its_scene_have_compiled() {
     let mut first = world("hall", 3);
     let mut earlier = world("factory", 3);
     enter_all(&mut earlier, &["Kenaf", "KUKA_YouBot", "YouBotArm"]);
-    let scene = earlier.scene().on_map(first.def().map.clone());
+    let scene = earlier.scene().on(first.def().map.clone());
     let mut second = World::new(scene, first.options());
     for world in [&mut first, &mut second] {
         enter_all(world, &["YouBotArm", "P3AT", "KUKA_YouBot", "Kenaf"]);

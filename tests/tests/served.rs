@@ -409,8 +409,8 @@ fn guests_get_their_share_while_steps_are_always_due() {
 
 /// Makes the fresh world that was asked for.
 fn make(task: Task) -> Event {
-    let Task::Make { scene, options, map } = task else { panic!("a save") };
-    assert_eq!(map, None);
+    let Task::Make { scene, options, change } = task else { panic!("a save") };
+    assert_eq!(change, None);
     Event::Made(Ok(Box::new(World::new(scene, options))))
 }
 

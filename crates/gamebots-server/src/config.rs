@@ -13,6 +13,7 @@ use thread_pool::ThreadPool;
 use crate::access::rights::WorldControl;
 use crate::access::tokens::Tokens;
 use crate::maps::Maps;
+use crate::scenarios::Scenarios;
 use crate::page::opener::Open;
 
 /// Configuration of a server.
@@ -24,6 +25,8 @@ pub struct Config {
     pub saved: Option<SavedWorld>,
     /// The maps that a viewer may change to.
     pub maps: Maps,
+    /// The scenarios that a viewer may begin.
+    pub scenarios: Scenarios,
     /// Reader of the files of other programs that pages bring; without one they are refused.
     pub open: Option<Open>,
     /// Seed and units.
@@ -75,6 +78,7 @@ impl Config {
         Self {
             saved: None,
             maps: Maps::default(),
+            scenarios: Scenarios::default(),
             open: None,
             #[cfg(feature = "ros2")]
             ros2: None,

@@ -22,6 +22,7 @@ mod maps;
 mod page;
 mod ports;
 mod run;
+mod scenarios;
 mod subscribers;
 mod world;
 
@@ -30,6 +31,7 @@ pub use access::tokens::{Tokens, TokensError};
 pub use config::{Config, IfTaken, ImageKind, Listener, Propagation, Ready, Service};
 pub use error::ServeError;
 pub use maps::{AvailableMap, Maps};
+pub use scenarios::{AvailableScenario, Scenarios};
 pub use page::opener::{NotOpened, Open, OpenFiles, Opened, Thing};
 pub use page::view::{Moment, View};
 pub use page_protocol::check_real_time_factor;

@@ -53,9 +53,17 @@ impl Maps {
         self.lock().iter().map(|map| (map.name.clone(), map.description.clone())).collect()
     }
 
-    /// Returns a map by its name.
-    pub(crate) fn find(&self, name: &str) -> Option<AvailableMap> {
-        self.lock().iter().find(|map| map.name == name).cloned()
+    /// Reads a map by its name.
+    ///
+    /// # Errors
+    /// When there is none of that name, or it cannot be read.
+    pub(crate) fn read(&self, name: &str) -> Result<MapDef, String> {
+        let found = self.lock().iter().find(|map| map.name == name).cloned();
+        let map = found.ok_or_else(|| {
+            let names: Vec<String> = self.list().into_iter().map(|(name, _)| name).collect();
+            format!("no map `{name}`: expected {}", names.join(", "))
+        })?;
+        (map.read)().map_err(|reason| format!("not changed to the map {name}: {reason}"))
     }
 
     /// Adds a map that came while the server runs. It gets a number if another one has its name. Returns its name.

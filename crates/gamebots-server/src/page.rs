@@ -10,6 +10,7 @@ pub(crate) mod packed;
 #[cfg(feature = "ros2")]
 pub(crate) mod rosbridge;
 pub(crate) mod shared;
+pub(crate) mod scenario;
 pub(crate) mod site;
 pub(crate) mod view;
 pub(crate) mod viewer;

@@ -7,7 +7,6 @@ use std::time::{Duration, Instant};
 
 use futures_util::future::join_all;
 use page_protocol::About;
-use scene::WorldDef;
 use served_world::{Entrance, Kind};
 use sim_core::World;
 use tokio::net::TcpListener;
@@ -26,6 +25,7 @@ use crate::page::class::ClassPages;
 use crate::page::opener::Opener;
 use crate::page::packed::Packed;
 use crate::page::shared::{Framing, Site};
+use crate::page::scenario::ScenarioPages;
 use crate::page::site::Page;
 use crate::ports::com_server::{self, Registry};
 use crate::ports::controllers::{self, Rules};
@@ -89,7 +89,7 @@ pub(crate) async fn serve(
             dialect: None,
             access: door.access.clone(),
             world_control: config.world_control,
-            is_league: config.world.league.is_some(),
+            is_league: config.world.is_contest(),
             stall_timeout: config.stall_timeout,
             budgets: door.budgets.clone(),
         },
@@ -289,9 +289,9 @@ fn site(
         limits: limits.named(),
         packed: Packed::default(),
         classes: ClassPages::new(&config.world.robots),
+        scenarios: ScenarioPages::new(config.scenarios.clone(), &config.world),
         opener: config.open.clone().map(|open| {
-            let (maps, WorldDef { robots, league, .. }) = (config.maps.clone(), &config.world);
-            Opener::new(open, maps, robots.clone(), league.is_some())
+            Opener::new(open, config.maps.clone(), config.world.robots.clone(), config.world.is_contest())
         }),
         pages: AtomicU64::new(0),
         framing: Framing::Nobody,

@@ -2,10 +2,12 @@
 //!
 //! News of sessions become records here alone, so logs of the server, of experiments and of the Python package have the same contents.
 
+mod demo;
 mod logged;
 mod records;
 mod replay;
 
+pub use demo::{DemoError, write_demo};
 pub use logged::LoggedSessions;
 pub use records::record;
 pub use replay::{Replay, ReplayError, replay};

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use gamebots_proto::{Dialect, Problem};
 use recorder::{End, LogWriter, Record, RecordError, StateTimer};
-use scene::{PawnId, Sensed};
+use scene::{PawnId, Sensed, Standings};
 use sessions::{Listener, Mistakes, News, Request, SessionId, Sessions};
 use sim_core::World;
 
@@ -40,6 +40,11 @@ impl LoggedSessions {
     /// Returns the world.
     pub fn world(&self) -> &World {
         self.sessions.world()
+    }
+
+    /// Returns the points of the league that is played, if any.
+    pub fn standings(&self) -> Option<Standings> {
+        self.sessions.standings()
     }
 
     /// Returns the world, to change it beside the sessions. A log does not tell of such changes.

@@ -53,7 +53,8 @@ impl Control {
             | Self::Record(_)
             | Self::Save
             | Self::Remove(_)
-            | Self::Map(_) => Ok(self),
+            | Self::Map(_)
+            | Self::Scenario(_) => Ok(self),
         }
     }
 }

@@ -17,4 +17,4 @@ pub use frame::{encode, frame, scan};
 pub use live::{
     ClientStatus, Control, Fit, LeagueStatus, Line, Listen, Measured, Message, Request, RobotStatus, Status, Wanted,
 };
-pub use page_scene::{About, class_json, objects_json, scene_json};
+pub use page_scene::{About, class_json, objects_json, scenarios_json, scene_json};

@@ -23,7 +23,7 @@ pub enum Request {
     /// `{"wire":true,"robots":[1]}`.
     #[serde(untagged)]
     Listen(Listen),
-    /// `{"pause":true}`, `{"step":1}`, `{"speed":2.5}`, `"reset"`, `{"record":true}`, `"save"`, `{"remove":3}`, `{"map":"arena"}`.
+    /// `{"pause":true}`, `{"step":1}`, `{"speed":2.5}`, `"reset"`, `{"record":true}`, `"save"`, `{"remove":3}`, `{"map":"arena"}`, `{"scenario":"stairs"}`.
     #[serde(untagged)]
     Control(Control),
 }
@@ -64,6 +64,8 @@ pub enum Control {
     Remove(u64),
     /// A fresh world on another map, by name. Connected clients get their robots back.
     Map(String),
+    /// A fresh world for a scenario, by name.
+    Scenario(String),
 }
 
 /// A robot, and the pose at which it may have room.
@@ -235,6 +237,8 @@ struct TeamStatus {
     points: i64,
     /// Number of victims that it found.
     found: usize,
+    /// Simulated time from the first robot's arrival to its last goal, when it has reached all, s.
+    finished: Option<f64>,
     /// Numbers of the robots that entered for it.
     robots: Vec<u64>,
     /// The last changes of its points, newest first.
@@ -249,6 +253,7 @@ impl LeagueStatus {
             place,
             name: team.team.clone(),
             points: team.points,
+            finished: team.finished,
             found: team.scores.iter().filter(|score| score.is_found_victim()).count(),
             robots: team.robots.iter().map(|entrant| entrant.robot).collect(),
             scores: team.scores.iter().rev().take(MAX_SCORES).cloned().collect(),
@@ -307,7 +312,7 @@ impl Request {
             // The error of an untagged enum says only that nothing fits. Most requests are controls.
             Err(error) => Err(format!(
                 "{}: expected {{\"pause\":bool}}, {{\"step\":n}}, {{\"speed\":x}}, \"reset\", {{\"record\":bool}}, \"save\", \
-                 {{\"remove\":robot}}, {{\"map\":name}}, {{\"fit\":{{..}}}} or {{\"wire\":bool}}",
+                 {{\"remove\":robot}}, {{\"map\":name}}, {{\"scenario\":name}}, {{\"fit\":{{..}}}} or {{\"wire\":bool}}",
                 serde_json::from_str::<Control>(text).err().unwrap_or(error)
             )),
         }
@@ -400,6 +405,7 @@ mod tests {
             ("\"reset\"", control(Control::Reset)),
             ("{\"record\":false}", control(Control::Record(false))),
             ("{\"map\":\"arena\"}", control(Control::Map("arena".to_owned()))),
+            ("{\"scenario\":\"stairs\"}", control(Control::Scenario("stairs".to_owned()))),
             ("{\"remove\":3}", control(Control::Remove(3))),
             ("{\"remove\":-1}", None),
             ("{\"step\":0}", None),

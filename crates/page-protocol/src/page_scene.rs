@@ -67,6 +67,7 @@ page_types! {
         #[cfg_attr(test, ts(type = "Record<string, RobotClass>"))]
         classes: BTreeMap<&'a str, RobotClass<'a>>,
         league: Option<League<'a>>,
+        scenario: Option<Scenario<'a>>,
     }
 
     /// Rules of the league that is played.
@@ -81,6 +82,50 @@ page_types! {
         starts: Vec<NamedPlace<'a>>,
         /// Classes that its robots may have; any if empty.
         classes: &'a [String],
+    }
+
+    /// The scenario that is played.
+    struct Scenario<'a> {
+        name: &'a str,
+        title: &'a str,
+        text: &'a str,
+        keys: &'a str,
+        robots: Vec<ScenarioRobot<'a>>,
+        /// Names of the goals, in the order of the file.
+        goals: Vec<&'a str>,
+        /// Simulated times for three stars and two, s.
+        stars: [f64; 2],
+        /// Simulated time to its end, s.
+        time_limit: f64,
+        camera: Option<Viewpoint>,
+    }
+
+    /// A robot that plays, at the start of its name.
+    struct ScenarioRobot<'a> {
+        class: &'a str,
+        name: &'a str,
+    }
+
+    /// A place to look from, and the point in the middle, m.
+    struct Viewpoint {
+        from: [f64; 3],
+        at: [f64; 3],
+    }
+
+    /// A scenario as `/scenarios.json` lists it.
+    struct ScenarioCard<'a> {
+        name: &'a str,
+        title: &'a str,
+        text: &'a str,
+        keys: &'a str,
+        map: &'a str,
+        robots: &'a [String],
+        time_limit: f64,
+        stars: [f64; 2],
+        /// True if `/scenario/<name>/demo.mcap` is a run that reaches the goals.
+        demo: bool,
+        /// True if `/scenario/<name>/picture.jpg` shows it.
+        picture: bool,
     }
 
     struct OtherMap<'a> {
@@ -268,9 +313,28 @@ pub fn scene_json(world: &WorldDef, about: Option<&About>) -> String {
         names: world.robots.keys().map(String::as_str).collect(),
         classes: classes.map(|(name, def)| (name.as_str(), class(def))).collect(),
         league: world.league.as_ref().map(|rules| league(rules, &world.map)),
+        scenario: world.scenario.as_ref().zip(world.league.as_ref()).map(|(it, league)| scenario(it, league, &world.map)),
     };
     // Every key is a string, so serialization cannot fail.
     serde_json::to_string(&scene).unwrap_or_default()
+}
+
+/// Returns scenarios as JSON, each with whether it has a demo and a picture.
+pub fn scenarios_json<'a>(scenarios: impl Iterator<Item = (&'a scene::ScenarioCard, bool, bool)>) -> String {
+    let card = |(card, demo, picture): (&'a scene::ScenarioCard, bool, bool)| ScenarioCard {
+        name: &card.name,
+        title: &card.title,
+        text: &card.text,
+        keys: &card.keys,
+        map: &card.map,
+        robots: &card.robots,
+        time_limit: card.time_limit,
+        stars: card.stars,
+        demo,
+        picture,
+    };
+    // Every key is a string, so serialization cannot fail.
+    serde_json::to_string(&scenarios.map(card).collect::<Vec<_>>()).unwrap_or_default()
 }
 
 /// Returns a robot class as JSON.
@@ -305,6 +369,21 @@ fn league<'a>(rules: &'a scene::League, map: &MapDef) -> League<'a> {
         classes: &team.classes,
     };
     League { victims: rules.victims.map_or(0, |_| map.victims.len()), teams: rules.teams.iter().map(team).collect() }
+}
+
+fn scenario<'a>(def: &'a scene::Scenario, league: &'a scene::League, map: &'a MapDef) -> Scenario<'a> {
+    let victims = league.victims.iter().flat_map(|_| &map.victims).map(|victim| victim.name.as_str());
+    Scenario {
+        name: &def.name,
+        title: &def.title,
+        text: &def.text,
+        keys: &def.keys,
+        robots: def.robots.iter().map(|it| ScenarioRobot { class: &it.class, name: &it.name }).collect(),
+        goals: victims.chain(league.goals.iter().map(|goal| goal.name.as_str())).collect(),
+        stars: def.stars,
+        time_limit: league.time_limit,
+        camera: def.camera.map(|scene::Viewpoint { from, at }| Viewpoint { from, at }),
+    }
 }
 
 fn solid(solid: &scene::Solid) -> Solid<'_> {

@@ -354,7 +354,7 @@ impl Desk {
         let placed = placed(&state.header.frame_id, &state.pose);
         let (location, rotation) = placed.ok_or_else(|| srv::Result::failed(code::INVALID_STATE_POSE, POSE_RULE))?;
         let failed = |why: String| srv::Result::failed(code::OPERATION_FAILED, why);
-        if self.latest().is_some_and(|(scene, _)| scene.def().league.is_some()) {
+        if self.latest().is_some_and(|(scene, _)| scene.def().is_contest()) {
             return Err(failed("a league moves no robots".to_owned()));
         }
         let init = Init { class_name: Init::CONTROLLER[0].to_owned(), name: "ROS 2".to_owned(), ..Init::default() };

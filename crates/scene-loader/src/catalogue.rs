@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use scene::{Classes, MapDef, Object, RobotDef, WorldDef};
+use scene::{Classes, MapDef, Object, RobotDef, Setting, WorldDef};
 
 use crate::equipment::Changes;
 use crate::overrides::{self, Override};
@@ -42,6 +42,22 @@ pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) 
 /// # Errors
 /// As [`load_with`], and a class of the equipment that does not exist.
 pub fn load_equipped(map_name: &str, robot_files: &[&Path], changes: Changes) -> Result<WorldDef, LoadError> {
+    load_on(|| Ok(map(map_name, changes.overrides)?.into()), robot_files, changes)
+}
+
+/// Loads a world around a setting, as [`load_equipped`] does around a map. Overrides change its robots alone.
+///
+/// # Errors
+/// As [`load_equipped`].
+pub fn load_around(setting: Setting, robot_files: &[&Path], changes: Changes) -> Result<WorldDef, LoadError> {
+    load_on(|| Ok(setting), robot_files, changes)
+}
+
+fn load_on(
+    setting: impl FnOnce() -> Result<Setting, LoadError>,
+    robot_files: &[&Path],
+    changes: Changes,
+) -> Result<WorldDef, LoadError> {
     let overrides = changes.overrides;
     let mut robots = shipped(changes)?;
     for file in robot_files {
@@ -52,10 +68,10 @@ pub fn load_equipped(map_name: &str, robot_files: &[&Path], changes: Changes) ->
         }
         robots.insert(definition.class.clone(), definition);
     }
-    let map = map(map_name, overrides)?;
+    let Setting { map, league, scenario } = setting()?;
     overrides::check_used(overrides)?;
     changes.equipment.check_classes(robots.keys().map(String::as_str))?;
-    let world = WorldDef { map, robots, objects: objects()?, league: None };
+    let world = WorldDef { map, robots, objects: objects()?, league, scenario };
     world.check()?;
     Ok(world)
 }
@@ -209,7 +225,7 @@ pub fn objects() -> Result<BTreeMap<String, Object>, LoadError> {
 
 /// Returns `foo` for `foo/map.toml` and `foo.toml`, with `_` for characters that a name on the wire cannot have. In the name of a
 /// class, a point would end a package.
-fn name_of(path: &Path, kind: &str) -> String {
+pub(crate) fn name_of(path: &Path, kind: &str) -> String {
     let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or(kind);
     let folder = path.parent().and_then(Path::file_name).and_then(|name| name.to_str());
     let name = if stem == kind { folder.unwrap_or(stem) } else { stem };
@@ -217,7 +233,7 @@ fn name_of(path: &Path, kind: &str) -> String {
 }
 
 /// Returns the name of a TOML file; `expected` lists the accepted files in the error.
-fn file_name(path: &Path, expected: &'static str) -> Result<String, LoadError> {
+pub(crate) fn file_name(path: &Path, expected: &'static str) -> Result<String, LoadError> {
     if path.extension().is_none_or(|extension| extension != "toml") {
         return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
     }

@@ -59,9 +59,14 @@ pub enum Communication {
     Walls,
 }
 
+fn one() -> i32 {
+    1
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Victims {
+    #[serde(default = "one")]
     points: i32,
     #[serde(default = "Victims::radius")]
     radius: f64,
@@ -93,6 +98,7 @@ struct ZoneTable {
     name: String,
     position: Vector,
     size: Vector,
+    #[serde(default = "one")]
     points: i32,
     #[serde(default)]
     hold: f64,
@@ -103,6 +109,7 @@ struct ZoneTable {
 #[serde(deny_unknown_fields)]
 struct GoalTable {
     name: String,
+    #[serde(default = "one")]
     points: i32,
     #[serde(default)]
     hold: f64,
@@ -146,18 +153,12 @@ fn read(
     let time_limit = document.optional(&mut root, "time_limit").unwrap_or(DEFAULT_TIME);
     let control = document.optional(&mut root, "control").unwrap_or_default();
     let communication = document.optional(&mut root, "communication").unwrap_or_default();
-    let victims = document.section(&mut root, "victims").ok().flatten().map(|(span, table)| {
-        let Victims { points, radius, hold, touch } = table;
-        let rule = VictimRule { points, radius, hold, touch };
-        document.wrong(&span, check::victim_rule(&rule));
-        rule
-    });
+    let victims = read_victims(&mut document, &mut root);
     let mut starts = map_file::read_poses(&mut document, &mut root, "start");
     let map_def = catalogue::map(&map, &[])?;
     starts.extend(map_def.starts.iter().cloned());
     let teams = read_teams(&mut document, &mut root, &starts);
-    let mut goals = read_zones(&mut document, &mut root);
-    goals.extend(read_goals(&mut document, &mut root, &map_def));
+    let goals = read_goals(&mut document, &mut root, &map_def);
     document.finish(root, KEYS);
     let Some(name) = name else { return Ok(None) };
     let league = League { name, time_limit, teams, victims, goals };
@@ -166,7 +167,7 @@ fn read(
 }
 
 /// Returns a map's path from the folder of the league, if it is a path; names stay as they are.
-fn beside(folder: Option<&Path>, map: String) -> String {
+pub(crate) fn beside(folder: Option<&Path>, map: String) -> String {
     let path: Option<PathBuf> = folder.map(|folder| folder.join(&map)).filter(|path| path.exists());
     path.map_or(map, |path| path.display().to_string())
 }
@@ -183,6 +184,22 @@ fn read_teams<'a>(document: &mut Document<'a>, root: &mut Table<'a>, known: &[Na
     tables.into_iter().map(team).collect()
 }
 
+/// Reads the rule for victims, if there is one.
+pub(crate) fn read_victims<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Option<VictimRule> {
+    let (span, table) = document.section(root, "victims").ok().flatten()?;
+    let Victims { points, radius, hold, touch } = table;
+    let rule = VictimRule { points, radius, hold, touch };
+    document.wrong(&span, check::victim_rule(&rule));
+    Some(rule)
+}
+
+/// Reads zones, and then the goals on a map.
+pub(crate) fn read_goals<'a>(document: &mut Document<'a>, root: &mut Table<'a>, map: &MapDef) -> Vec<ScoredGoal> {
+    let mut goals = read_zones(document, root);
+    goals.extend(read_others(document, root, map));
+    goals
+}
+
 fn read_zones<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Vec<ScoredGoal> {
     let tables = document.list(root, "zone");
     let zone = |(span, ZoneTable { name, position, size, points, hold })| {
@@ -193,7 +210,7 @@ fn read_zones<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Vec<Scor
     tables.into_iter().map(zone).collect()
 }
 
-fn read_goals<'a>(document: &mut Document<'a>, root: &mut Table<'a>, map: &MapDef) -> Vec<ScoredGoal> {
+fn read_others<'a>(document: &mut Document<'a>, root: &mut Table<'a>, map: &MapDef) -> Vec<ScoredGoal> {
     let tables = document.list(root, "goal");
     let goal = |(span, GoalTable { name, points, hold, goal })| {
         let Some(goal) = goal else {

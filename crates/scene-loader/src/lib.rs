@@ -16,13 +16,14 @@ mod mesh;
 mod overrides;
 mod problem;
 mod robot;
+mod scenario;
 mod sdf;
 mod shipped;
 mod source;
 mod urdf;
 mod xml;
 
-pub use catalogue::{load, load_equipped, load_with, map, objects, robot, robot_equipped};
+pub use catalogue::{load, load_around, load_equipped, load_with, map, objects, robot, robot_equipped};
 pub use equipment::{Changes, Equipment};
 pub use families::{FAMILIES, Family};
 pub use import::{Content, Import, Imported, Packages, import};
@@ -31,6 +32,7 @@ pub use league::{Communication, Controllers, LeagueFile, league};
 pub use overrides::{Override, check_used};
 pub use problem::{FileProblem, LoadError};
 pub use robot::of_urdf::WheelDrive;
+pub use scenario::{ListedScenario, listed_scenario, scenario, scenario_names, scenarios_in};
 pub use sdf::robot::{SdfFile, SdfRobot, is_sdf, is_sdf_model, sdf_robot, sdf_robots};
 pub use shipped::{File, map_description, map_files, map_names, robot_files, robot_folders, robot_names};
 
@@ -39,13 +41,14 @@ use std::path::Path;
 use problem::Problems;
 use source::Source;
 
-/// Checks a robot.toml, a map.toml, a league.toml, a materials.toml, an objects.toml, a set of equipment, a URDF or an ini of USARSim. Returns the assumptions
+/// Checks a robot.toml, a map.toml, a scenario.toml, a league.toml, a materials.toml, an objects.toml, a set of equipment, a URDF or an ini of USARSim. Returns the assumptions
 /// made where a robot's file gives no value, and the lines of an ini that have no effect.
 ///
 /// # Errors
 /// Lists all problems of the file. Also fails if the file cannot be read or is of an unknown kind.
 pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
-    let path = &catalogue::in_folder(&catalogue::in_folder(path, "map.toml"), "robot.toml");
+    let in_folder = |path, file| catalogue::in_folder(path, file);
+    let path = &in_folder(&in_folder(&in_folder(path, "scenario.toml"), "map.toml"), "robot.toml");
     if catalogue::is_urdf(path) {
         return catalogue::robot_of_urdf(path, "Checked").map(|robot| robot.assumptions);
     }
@@ -53,7 +56,7 @@ pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
         return check_ini(path);
     }
     if path.extension().is_none_or(|extension| extension != "toml") {
-        let expected = "a .toml (robot, map, league, materials, objects or equipment), a .urdf or an .ini file";
+        let expected = "a .toml (robot, map, scenario, league, materials, objects or equipment), a .urdf or an .ini file";
         return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
     }
     check_toml(path)
@@ -98,6 +101,11 @@ fn is_league(name: &str, text: &str) -> bool {
     name.starts_with("league") || text.lines().any(|line| line.trim() == "[[team]]")
 }
 
+/// True for a scenario: its name or its times say so.
+fn is_scenario(name: &str, text: &str) -> bool {
+    name.starts_with("scenario") || text.lines().any(|line| line.starts_with("stars ="))
+}
+
 /// Checks a set of equipment with the shipped robots and actuators that it names.
 fn check_equipment(source: &Source, name: &str) -> Result<Vec<String>, LoadError> {
     let equipment = &Equipment::load(&source.display(name))?;
@@ -122,12 +130,15 @@ fn check_ini(path: &Path) -> Result<Vec<String>, LoadError> {
     Ok(warnings.iter().map(|it| format!("{}:{}: {}", it.line, it.column, it.message)).collect())
 }
 
-/// Checks a TOML file. Files of materials, objects and actuators are known by their names, a robot by its name or its wheels, a league by its name or its teams, equipment by its tables; any other
+/// Checks a TOML file. Files of materials, objects and actuators are known by their names, a robot by its name or its wheels, a scenario by its name or its times, a league by its name or its teams, equipment by its tables; any other
 /// file is a map.
 fn check_toml(path: &Path) -> Result<Vec<String>, LoadError> {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let source = &Source::of_file(path);
     let text = source.text(name)?;
+    if is_scenario(name, &text) {
+        return scenario(&path.display().to_string()).map(|_| Vec::new());
+    }
     if is_league(name, &text) {
         return league(path, None).map(|_| Vec::new());
     }

@@ -45,21 +45,7 @@ pub(crate) fn read(
     };
     let materials = materials::read_own(&mut document, &mut root, materials);
     let mut map = MapDef { name: name.to_owned(), robots, gravity, time_limit, north, origin, ..MapDef::default() };
-    for kind in ["half_space", "box", "ramp", "cylinder", "ball", "mesh", "height_field"] {
-        for table in document.tables(&mut root, kind) {
-            match read_solid(source, &mut document, kind, table, &materials) {
-                // A solid with a mass can be pushed.
-                Some((solid, Use::Object { mass })) => map.objects.push(Object { solid, mass }),
-                Some((solid, Use::Marking)) => map.markings.push(solid),
-                Some((solid, Use::Conveyor { velocity })) => {
-                    map.conveyors.push(Conveyor { solid: map.solids.len(), velocity });
-                    map.solids.push(solid);
-                }
-                Some((solid, Use::Fixed)) => map.solids.push(solid),
-                None => {}
-            }
-        }
-    }
+    read_solids(source, &mut document, &mut root, &materials, &mut map);
     if !root.has("start") {
         document.problem(&(0..0), "no [[start]]: expected at least one start pose");
     }
@@ -73,6 +59,31 @@ pub(crate) fn read(
     map.description = description?;
     document.as_a_whole(|| check::map(&map));
     Some(map)
+}
+
+/// Reads solids of all kinds, and adds them to a map.
+pub(crate) fn read_solids<'a>(
+    source: &Source,
+    document: &mut Document<'a>,
+    root: &mut Table<'a>,
+    materials: &Materials,
+    map: &mut MapDef,
+) {
+    for kind in ["half_space", "box", "ramp", "cylinder", "ball", "mesh", "height_field"] {
+        for table in document.tables(root, kind) {
+            match read_solid(source, document, kind, table, materials) {
+                // A solid with a mass can be pushed.
+                Some((solid, Use::Object { mass })) => map.objects.push(Object { solid, mass }),
+                Some((solid, Use::Marking)) => map.markings.push(solid),
+                Some((solid, Use::Conveyor { velocity })) => {
+                    map.conveyors.push(Conveyor { solid: map.solids.len(), velocity });
+                    map.solids.push(solid);
+                }
+                Some((solid, Use::Fixed)) => map.solids.push(solid),
+                None => {}
+            }
+        }
+    }
 }
 
 /// Reads classes of objects: the tables of a map's boxes, cylinders and balls, each with a mass.

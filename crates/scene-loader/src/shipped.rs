@@ -13,6 +13,7 @@ use crate::problem::Problems;
 use crate::source::Source;
 
 pub(crate) static ASSETS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../assets");
+pub(crate) static SCENARIOS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../scenarios");
 pub(crate) static MAPS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../maps");
 
 /// Returns the names of the embedded maps.
@@ -140,7 +141,7 @@ fn files(dir: &'static Dir) -> Vec<File> {
     dir.files().filter_map(file).collect()
 }
 
-fn folders(dir: &'static Dir) -> Vec<String> {
+pub(crate) fn folders(dir: &'static Dir) -> Vec<String> {
     let mut names: Vec<String> = dir.dirs().filter_map(folder_name).collect();
     names.sort();
     names
@@ -154,7 +155,7 @@ pub(crate) fn folder_name(dir: &Dir) -> Option<String> {
 pub(crate) fn unknown(kind: &'static str, got: &str, names: &[String]) -> LoadError {
     let known = || names.iter().map(String::as_str);
     let suggestion = did_you_mean(got, known());
-    let is_listed = kind == "robot" || kind == "map";
+    let is_listed = ["robot", "map", "scenario"].contains(&kind);
     let expected = match suggestion.as_str() {
         "" => listed(known()),
         _ if is_listed => format!("those that `usarsim {kind}s` lists"),

@@ -28,6 +28,14 @@ impl Source {
         Self::Folder(path.parent().map(Path::to_owned).unwrap_or_default())
     }
 
+    /// Returns the folder's path; embedded folders and those not written yet have none.
+    pub(crate) fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Folder(folder) => Some(folder),
+            Self::BuiltIn(_) | Self::Files(_) => None,
+        }
+    }
+
     /// Returns a folder inside this one, which may not exist. Embedded folders have none.
     pub(crate) fn folder(&self, name: &str) -> Option<Self> {
         match self {

@@ -10,6 +10,7 @@ mod league;
 mod limits;
 mod map;
 mod robot;
+mod scenario;
 mod shape;
 
 use std::fmt;
@@ -23,6 +24,7 @@ pub use robot::{
     actuator, aerial, battery, body_solid, check_robot, gripper, link, part, robot, rollers, sensor, tool_changer,
     vacuum, visual, wheel,
 };
+pub use scenario::scenario;
 
 /// A closed range of numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,6 +105,7 @@ impl WorldDef {
         map::check_map(&self.map)?;
         map::check_classes(&self.objects)?;
         self.league.iter().try_for_each(|league| league::check_league(league, &self.map, &self.robots))?;
+        self.scenario.iter().try_for_each(|it| scenario::check_scenario(it, self.league.as_ref(), &self.robots))?;
         // Those that are read later are checked by their readers.
         self.robots.read().try_for_each(|(_, robot)| robot::check_robot(robot))
     }

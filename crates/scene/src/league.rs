@@ -117,6 +117,9 @@ pub struct Standing {
     pub robots: Vec<Entrant>,
     /// Changes of its points, in order.
     pub scores: Vec<Score>,
+    /// Simulated time from the first robot's arrival to the last goal, when it has reached all, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub finished: Option<f64>,
 }
 
 /// A robot that entered for a team.

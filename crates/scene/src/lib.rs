@@ -18,6 +18,7 @@
 //! | [`Snapshot`] | poses, velocities and contacts of robots and objects at one time |
 //! | [`Options`] | seed and time step of a run |
 //! | [`League`] | rules of a round with teams and points |
+//! | [`Scenario`] | something to do: robots, times and texts beside a league's goals |
 //!
 //! # Example
 //! A cart with four driven wheels on a plane:
@@ -82,6 +83,7 @@ mod page_types;
 mod reading;
 mod robot;
 pub mod rotation_units;
+mod scenario;
 mod sensed;
 pub mod sensor;
 mod shape;
@@ -112,6 +114,7 @@ pub use material::Material;
 pub use options::{Options, TIME_STEP};
 pub use reading::{Quantity, Texts};
 pub use robot::{Battery, DriveModel, RobotDef, Side, Steering, WheelGeometry};
+pub use scenario::{Scenario, ScenarioCard, ScenarioRobot, Setting, Viewpoint};
 pub use sensed::Sensed;
 pub use sensor::{Reading, SensorDef};
 pub use shape::{Shape, Solid};
@@ -153,9 +156,17 @@ pub struct WorldDef {
     /// The league that is played, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub league: Option<League>,
+    /// The scenario that is played, if any. Its goals are those of `league`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<Scenario>,
 }
 
 impl WorldDef {
+    /// True if teams play against each other, so that nobody may change the world. A scenario has one team.
+    pub fn is_contest(&self) -> bool {
+        self.league.is_some() && self.scenario.is_none()
+    }
+
     /// Finds a sensor of a class by its name on the wire.
     pub fn sensor(&self, class: &str, name: &str) -> Option<&SensorDef> {
         self.robots.get(class)?.sensors.iter().find(|sensor| sensor.name == name)

@@ -9,7 +9,7 @@ use web_time::{Duration, Instant};
 use crate::audience::{Audience, Told};
 use crate::budget::Spent;
 use crate::pace::Pace;
-use crate::restart::{Restart, Task};
+use crate::restart::{Change, Restart, Task};
 use crate::served::ServedWorld;
 
 /// Longest time in which robots are put back together after a restart. The rest of them are put back as INIT lines are executed, so that
@@ -43,18 +43,26 @@ impl<A: Audience> ServedWorld<A> {
                 let speed = if speed == 0.0 { "as fast as possible".to_owned() } else { format!("{speed}") };
                 Some(format!("set the real-time factor to {speed}"))
             }
-            Control::Map(_) | Control::Save if self.sessions.world().def().league.is_some() => {
-                let text = "not done: a league stays on its map, and its points cannot be saved";
+            Control::Map(_) | Control::Scenario(_) if self.sessions.world().def().is_contest() => {
+                self.tell(&Told::Notice("not done: a league stays on its map"));
+                None
+            }
+            Control::Save if self.sessions.world().def().league.is_some() => {
+                let text = "not done: the points of a league or a scenario cannot be saved";
                 self.tell(&Told::Notice(text));
                 None
             }
             Control::Remove(robot) => self.remove(PawnId(robot)).map(|name| format!("removed robot {robot} ({name})")),
             Control::Reset => {
-                self.restarts.ask(Restart { map: None, actor });
+                self.restarts.ask(Restart { change: None, actor });
                 return;
             }
             Control::Map(name) => {
-                self.restarts.ask(Restart { map: Some(name), actor });
+                self.restarts.ask(Restart { change: Some(Change::Map(name)), actor });
+                return;
+            }
+            Control::Scenario(name) => {
+                self.restarts.ask(Restart { change: Some(Change::Scenario(name)), actor });
                 return;
             }
             Control::Save => {
@@ -126,24 +134,28 @@ impl<A: Audience> ServedWorld<A> {
 
     /// Begins to make a fresh world if a restart is due.
     pub(crate) fn begin_restart(&mut self, now: Instant) {
-        if let Some(Restart { map, .. }) = self.restarts.begin(now) {
+        if let Some(Restart { change, .. }) = self.restarts.begin(now) {
             let world = self.sessions.world();
             let (scene, options) = (world.scene().clone(), world.options());
-            self.tasks.push(Task::Make { scene, options, map: map.clone() });
+            self.tasks.push(Task::Make { scene, options, change: change.clone() });
         }
     }
 
     /// Restarts with a fresh world.
     pub(crate) fn restart(&mut self, fresh: Result<Box<World>, String>) {
         let now = (self.clock)();
-        let Some(Restart { map, actor }) = self.restarts.made(now) else { return };
+        let Some(Restart { change, actor }) = self.restarts.made(now) else { return };
         match fresh {
             Err(why) => self.tell(&Told::Notice(&why)),
             Ok(fresh) => {
                 if !self.start_over(now, *fresh) {
                     return;
                 }
-                let done = map.map_or("reset the world".to_owned(), |map| format!("changed the map to {map}"));
+                let done = match change {
+                    None => "reset the world".to_owned(),
+                    Some(Change::Map(name)) => format!("changed the map to {name}"),
+                    Some(Change::Scenario(name)) => format!("began the scenario {name}"),
+                };
                 self.tell_done(&actor, &done);
                 self.pace = Pace::new(self.timing.speed, (self.clock)(), self.sessions.world().time());
             }

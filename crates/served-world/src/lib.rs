@@ -31,6 +31,6 @@ pub use event::{Event, Guest, Kind, Opened, Peer, Segment, Turn};
 pub use fit::fit;
 pub use pace::Pace;
 pub use question::{Health, Question};
-pub use restart::Task;
+pub use restart::{Change, Task};
 pub use served::{Next, ServedWorld, Settings};
 pub use session::{Ended, Entrance, Inquiry, Session};

@@ -19,8 +19,8 @@ pub enum Task {
         scene: CompiledScene,
         /// Seed and units.
         options: Options,
-        /// Name of the map to change to, if any.
-        map: Option<String>,
+        /// What is to be another, if anything.
+        change: Option<Change>,
     },
     /// Writes the state of a world, for [`crate::Event::Saved`].
     Save {
@@ -33,9 +33,18 @@ pub enum Task {
     },
 }
 
-/// A request to restart, on another map if one is named.
+/// What a fresh world has in place of the old one's map, by its name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Change {
+    /// A map, on which nothing is played.
+    Map(String),
+    /// A scenario, with its map.
+    Scenario(String),
+}
+
+/// A request to restart, with a change if one is asked for.
 pub(crate) struct Restart {
-    pub(crate) map: Option<String>,
+    pub(crate) change: Option<Change>,
     pub(crate) actor: Actor,
 }
 

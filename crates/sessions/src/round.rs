@@ -169,7 +169,15 @@ impl Round {
             self.next_look = time + LOOK_INTERVAL;
             self.look(world, &mut scores);
         }
-        self.is_over = time >= began + self.league.time_limit - SAME_TIME;
+        for (number, team) in self.teams.iter_mut().enumerate() {
+            let reached = self.reached.range((number, 0)..(number + 1, 0)).count();
+            if team.finished.is_none() && !self.goals.is_empty() && reached == self.goals.len() {
+                team.finished = Some(time - began);
+            }
+        }
+        // When all have finished, nothing is left to stop for.
+        let is_played = self.teams.iter().any(|team| team.finished.is_none());
+        self.is_over = is_played && time >= began + self.league.time_limit - SAME_TIME;
         (scores, self.is_over)
     }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use scene::{MapDef, WorldDef};
+use scene::{Setting, WorldDef};
 
 use crate::physics::{CompiledMap, CompiledRobot, Materials};
 
@@ -37,13 +37,14 @@ impl From<WorldDef> for CompiledScene {
 }
 
 impl CompiledScene {
-    /// Returns the scene on another map. Both share the classes that are compiled.
+    /// Returns the scene on another map, with what is played there. Both share the classes that are compiled.
     #[must_use]
-    pub fn on_map(&self, map: MapDef) -> Self {
+    pub fn on(&self, setting: impl Into<Setting>) -> Self {
+        let Setting { map, league, scenario } = setting.into();
         let Parts { def, materials, robots, .. } = &*self.0;
         let (mut materials, robots) = (materials.clone(), robots.clone());
         let compiled = CompiledMap::new(&map, &mut materials);
-        Self(Arc::new(Parts { def: WorldDef { map, ..def.clone() }, map: compiled, materials, robots }))
+        Self(Arc::new(Parts { def: WorldDef { map, league, scenario, ..def.clone() }, map: compiled, materials, robots }))
     }
 
     /// Returns the definition that it was compiled from.

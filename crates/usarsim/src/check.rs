@@ -14,8 +14,8 @@ use crate::{Failure, exit, print};
 #[command(after_help = "Examples:\n  usarsim check assets/robots/*/robot.toml maps/*/map.toml\n  \
     usarsim check my-robot.urdf --json")]
 pub(crate) struct Arguments {
-    /// robot.toml, map.toml, materials.toml, league.toml, tokens.toml, equipment .toml, .urdf or USARSim .ini files, or folders with a
-    /// robot.toml or map.toml.
+    /// robot.toml, map.toml, scenario.toml, materials.toml, league.toml, tokens.toml, equipment .toml, .urdf or USARSim .ini files, or folders with a
+    /// robot.toml, map.toml or scenario.toml.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Print the mistakes as JSON.

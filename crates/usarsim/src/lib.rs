@@ -75,6 +75,8 @@ enum Command {
     Relay(relay::Arguments),
     /// List the maps.
     Maps(list::Arguments),
+    /// List the scenarios: robots on maps with goals.
+    Scenarios(list::Arguments),
     /// List the robot classes with their sensors and actuators.
     Robots(list::Arguments),
     /// Draw a map, with or without a robot, to a PNG file.
@@ -87,7 +89,7 @@ enum Command {
     Import(import::Arguments),
     /// Make a map from a glTF, OBJ, STL or COLLADA mesh, or from a world of Gazebo (SDF).
     ImportMap(import_map::Arguments),
-    /// Check robot.toml, map.toml, materials.toml, league.toml, tokens.toml, equipment, URDF and ini files and report every mistake with its line.
+    /// Check robot.toml, map.toml, scenario.toml, materials.toml, league.toml, tokens.toml, equipment, URDF and ini files and report every mistake with its line.
     Check(check::Arguments),
     /// Run the physical checks of a robot on wheels.
     Validate(validate::Arguments),
@@ -141,6 +143,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Command::Connect(arguments) => connect::run(&arguments),
         Command::Relay(arguments) => relay::run(&arguments),
         Command::Maps(arguments) => list::maps(&arguments),
+        Command::Scenarios(arguments) => list::scenarios(&arguments),
         Command::Robots(arguments) => list::robots(&arguments),
         Command::Snapshot(arguments) => snapshot::run(&arguments),
         Command::Show(arguments) => show::run(&arguments),

@@ -1,6 +1,6 @@
-//! `usarsim maps` and `usarsim robots`.
+//! `usarsim maps`, `usarsim scenarios` and `usarsim robots`.
 
-use scene::RobotDef;
+use scene::{RobotDef, ScenarioCard};
 use scene_loader::{FAMILIES, LoadError};
 use serde_json::json;
 
@@ -28,6 +28,26 @@ pub(crate) fn maps(arguments: &Arguments) -> Result<(), Failure> {
     for map in maps {
         let starts: Vec<&str> = map.starts.iter().map(|start| start.name.as_str()).collect();
         print(format_args!("{:<10} {}; starts {}", map.name, map.description, starts.join(", ")));
+    }
+    Ok(())
+}
+
+pub(crate) fn scenarios(arguments: &Arguments) -> Result<(), Failure> {
+    let names = scene_loader::scenario_names();
+    let listed: Result<Vec<_>, _> = names.iter().map(|name| scene_loader::listed_scenario(name)).collect();
+    let cards = listed.map_err(broken)?.into_iter().map(|listed| listed.card);
+    if arguments.json {
+        let list = cards.map(|card| {
+            json!({
+                "name": card.name, "title": card.title, "text": card.text, "keys": card.keys, "map": card.map,
+                "robots": card.robots, "time_limit": card.time_limit, "stars": card.stars,
+            })
+        });
+        print(serde_json::Value::from_iter(list));
+        return Ok(());
+    }
+    for ScenarioCard { name, title, text, map, robots, time_limit, .. } in cards {
+        print(format_args!("{name:<10} {title}: {text}; {} on {map}, {time_limit} s", robots.join(", ")));
     }
     Ok(())
 }

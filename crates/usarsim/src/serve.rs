@@ -13,11 +13,11 @@ use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gamebots_proto::Dialect;
 use gamebots_server::{
-    AvailableMap, Config, IfTaken, ImageKind, Listener, Open, Propagation, Ready, ServeError, Service, Tokens,
+    AvailableMap, AvailableScenario, Config, IfTaken, ImageKind, Listener, Open, Propagation, Ready, ServeError, Service, Tokens,
     WorldControl,
 };
-use scene::{DriveModel, MapDef};
-use scene_loader::{Changes, Communication, Controllers, LeagueFile, Override};
+use scene::{DriveModel, WorldDef};
+use scene_loader::{Changes, Communication, Controllers, LeagueFile, ListedScenario, LoadError, Override};
 use sim_core::{Options, SavedWorld};
 use thread_pool::ThreadPool;
 
@@ -59,6 +59,7 @@ const UT2004: Service = Service::Controllers { dialect: Some(Dialect::Ut2004) };
 #[command(
     after_help = "Examples:\n  usarsim serve                          # a hall, 127.0.0.1:3000, real time\n  \
     usarsim serve --map slope-4.5 --rtf 10\n  usarsim serve --map my/map.toml --robot my/robot.toml\n  \
+    usarsim serve --scenario stairs          # something to do, with a goal and a time\n  \
     usarsim serve --host 0.0.0.0             # other machines can watch and drive\n\n\
     These are the common options; --help lists all.",
     after_long_help = "Examples:\n  usarsim serve                          # a hall, 127.0.0.1:3000, real time\n  \
@@ -66,6 +67,8 @@ const UT2004: Service = Service::Controllers { dialect: Some(Dialect::Ut2004) };
     usarsim serve --robot turtlebot3_burger.urdf\n  \
     usarsim serve --equipment robocup2014    # a P3AT with eight sonars\n  \
     usarsim serve --ini DefaultUSAR.ini --ini my/UDKUSAR.ini\n  \
+    usarsim serve --scenario stairs          # something to do, with a goal and a time\n  \
+    usarsim serve --scenarios my/scenarios   # more of that on the page\n  \
     usarsim serve --league rescue --log run.mcap --result result.json\n  \
     usarsim serve --from usarsim-hall.json   # go on with a world that the page saved\n  \
     usarsim serve --host 0.0.0.0             # other machines can watch and drive\n  \
@@ -82,6 +85,18 @@ pub(crate) struct Arguments {
     /// The page shows the points; the world stops when the time is up.
     #[arg(long, env = "USARSIM_LEAGUE", value_name = "NAME|FILE", help_heading = "World")]
     league: Option<PathBuf>,
+    /// Play a scenario: a map with robots, a goal and a time, by its name (see `usarsim scenarios`), or from a scenario.toml or its folder.
+    #[arg(
+        long,
+        env = "USARSIM_SCENARIO",
+        value_name = "NAME|FILE",
+        conflicts_with_all = ["map", "league"],
+        help_heading = "World"
+    )]
+    scenario: Option<String>,
+    /// Offer the scenarios of a folder on the page, beside those that are built in: its folders with a scenario.toml.
+    #[arg(long, env = "USARSIM_SCENARIOS", value_name = "FOLDER", help_heading = "World", hide_short_help = true)]
+    scenarios: Option<PathBuf>,
     /// Write the result of the league to a JSON file when the time is up, at a reset and at the end. An existing file is kept: the result
     /// is then result-2.json, result-3.json ..
     #[arg(
@@ -95,7 +110,7 @@ pub(crate) struct Arguments {
     result: Option<PathBuf>,
     /// Go on with a world that the page saved (`Save the world`), from its file. Its map, robots, seed, time step and units count. An
     /// INIT with the class and name of a robot in it takes that robot over.
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["map", "league", "robot", "set", "equipment", "ini", "drive_model", "dt", "seed", "wheel_speeds"], help_heading = "World")]
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["map", "league", "scenario", "robot", "set", "equipment", "ini", "drive_model", "dt", "seed", "wheel_speeds"], help_heading = "World")]
     from: Option<PathBuf>,
     /// Seed of all randomness: the same seed and commands give the same run.
     #[arg(long, env = "USARSIM_SEED", default_value_t = 0, help_heading = "World", hide_short_help = true)]
@@ -275,7 +290,11 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         None => {
             let equipment = arguments.equipment.load()?;
             let changes = Changes { overrides: &arguments.set, equipment: &equipment };
-            let loaded = scene_loader::load_equipped(map, &robots, changes);
+            let loaded = match &arguments.scenario {
+                None => scene_loader::load_equipped(map, &robots, changes),
+                Some(name) => scene_loader::scenario(name)
+                    .and_then(|setting| scene_loader::load_around(setting, &robots, changes)),
+            };
             let world = loaded.map_err(|error| wrong(&error))?;
             equipment::warn(&equipment.warnings(world.robots.keys().map(String::as_str)));
             (world, None)
@@ -339,7 +358,8 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         #[cfg(feature = "ros2")]
         ros2,
         panic_at: arguments.panic_at,
-        maps: other_maps(&arguments.set, &world.map).into(),
+        maps: other_maps(&arguments.set, &world).into(),
+        scenarios: scenarios(arguments.scenarios.as_deref(), arguments.scenario.as_deref())?.into(),
         open: Some(Open(Arc::new(move |files, work, chosen| opened::open(files, work, chosen, drive_model)))),
         options: saved.as_ref().map_or(options, SavedWorld::options),
         saved,
@@ -406,9 +426,35 @@ fn propagation(choice: Option<Propagation>, league: Option<&LeagueFile>) -> Prop
     choice.or(league.map(of_league)).unwrap_or_default()
 }
 
-/// Returns the maps that the page offers: the first one, then the built-in ones with the same overrides.
-fn other_maps(overrides: &[Override], first: &MapDef) -> Vec<AvailableMap> {
-    let names = scene_loader::map_names().into_iter().filter(|name| *name != first.name);
+/// Returns the scenarios that the page offers: those that are built in, those of a folder, and the one that is played.
+fn scenarios(folder: Option<&Path>, played: Option<&str>) -> Result<Vec<AvailableScenario>, Failure> {
+    let wrong = |error: LoadError| Failure::new(exit::BAD_CONFIGURATION, error);
+    let mut names = scene_loader::scenario_names();
+    let mut add = |name: String| {
+        // The newer one of two with a name counts.
+        if let Some(same) = names.iter().position(|known| *known == name) {
+            names.remove(same);
+        }
+        names.push(name);
+    };
+    for path in folder.map(scene_loader::scenarios_in).transpose().map_err(wrong)?.into_iter().flatten() {
+        let path = path.display().to_string();
+        scene_loader::scenario(&path).map_err(wrong)?;
+        add(path);
+    }
+    played.into_iter().for_each(|name| add(name.to_owned()));
+    let available = |name: String| {
+        let ListedScenario { card, demo, picture } = scene_loader::listed_scenario(&name).map_err(wrong)?;
+        let read = Arc::new(move || scene_loader::scenario(&name).map_err(|error| error.to_string()));
+        Ok(AvailableScenario { card, picture, read, demo })
+    };
+    names.into_iter().map(available).collect()
+}
+
+/// Returns the maps that the page offers: the first one, then the built-in ones with the same overrides. A scenario has a map of its own.
+fn other_maps(overrides: &[Override], world: &WorldDef) -> Vec<AvailableMap> {
+    let first = Some(&world.map).filter(|_| world.scenario.is_none());
+    let names = scene_loader::map_names().into_iter().filter(|name| first.is_none_or(|first| *name != first.name));
     let available = |name: String| {
         if !overrides.is_empty() {
             // An override may apply to the first map alone, so maps that it does not fit are left out.
@@ -418,7 +464,7 @@ fn other_maps(overrides: &[Override], first: &MapDef) -> Vec<AvailableMap> {
         let read = Arc::new(move || scene_loader::map(&of, &[]).map_err(|error| error.to_string()));
         Some(AvailableMap { name, description, read, is_added: false })
     };
-    std::iter::once(first.clone().into()).chain(names.filter_map(available)).collect()
+    first.cloned().map(AvailableMap::from).into_iter().chain(names.filter_map(available)).collect()
 }
 
 fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> String {

@@ -13,6 +13,7 @@ use crate::access::waiting_room::Stay;
 use crate::page::class::ClassPages;
 use crate::page::opener::Opener;
 use crate::page::packed::Packed;
+use crate::page::scenario::ScenarioPages;
 use crate::subscribers::live::Channels;
 
 /// Pages that may frame the page.
@@ -52,6 +53,7 @@ pub(crate) struct Site {
     pub(crate) limits: Vec<(&'static str, usize)>,
     pub(crate) packed: Packed,
     pub(crate) classes: ClassPages,
+    pub(crate) scenarios: ScenarioPages,
     /// Opener of the files of other programs, if the server opens any.
     pub(crate) opener: Option<Opener>,
     /// Number of pages opened so far; it numbers the pages.

@@ -25,7 +25,7 @@ use crate::access::tokens::Role;
 use crate::access::waiting_room::Visitor;
 use crate::page::packed::json;
 use crate::page::shared::{Peer, Site, Visit};
-use crate::page::{file, log_scene, metrics, open, viewer, wire};
+use crate::page::{file, log_scene, metrics, open, scenario, viewer, wire};
 
 /// Longest time for the head of a request, and for a client to read its response.
 const TIMEOUT: Duration = Duration::from_secs(10);
@@ -46,7 +46,10 @@ impl Page {
             .route("/class/{name}", get(class))
             .route("/objects.json", get(objects))
             .route("/league.json", get(league))
+            .route("/scenarios.json", get(scenario::list))
+            .route("/scenario/{name}/demo.mcap", get(scenario::demo))
             .route_layer(for_viewers.clone())
+            .route("/scenario/{name}/picture.jpg", get(scenario::picture))
             .route("/live", get(viewer::upgrade))
             .route("/wire", get(wire::upgrade))
             .route("/open", post(open::answer).layer(DefaultBodyLimit::max(open::MAX_BYTES)));

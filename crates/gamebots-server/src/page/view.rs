@@ -25,8 +25,10 @@ use crate::door::accept::{self, Limit};
 use crate::error::ServeError;
 use crate::page::class::ClassPages;
 use crate::page::packed::Packed;
+use crate::page::scenario::ScenarioPages;
 use crate::page::shared::{Framing, Site};
 use crate::page::site::Page;
+use crate::scenarios::Scenarios;
 use crate::subscribers::board::Board;
 use crate::subscribers::live::{self, Broadcast};
 
@@ -82,6 +84,7 @@ impl View {
             limits: Vec::new(),
             packed: Packed::default(),
             classes: ClassPages::new(&def.robots),
+            scenarios: ScenarioPages::new(Scenarios::default(), def),
             opener: None,
             pages: AtomicU64::new(0),
             framing: Framing::Local,

@@ -5,23 +5,30 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use scene::Options;
-use served_world::{Event, Task};
+use served_world::{Change, Event, Task};
 use sim_core::{CompiledScene, World};
 use thread_pool::ThreadPool;
 
 use crate::files::{is_kept, numbered};
 use crate::maps::Maps;
+use crate::scenarios::Scenarios;
 use crate::world::saves;
 
 /// Threads that make fresh worlds and write saves.
 pub(crate) struct Tasks {
-    /// Maps that a fresh world can have.
-    maps: Maps,
+    offers: Offers,
     /// Threads of the fresh worlds' steps.
     pool: Arc<ThreadPool>,
     /// File of saves; it gets a number if the file exists.
     saved_as: PathBuf,
     running: Vec<Running>,
+}
+
+/// Maps and scenarios that a fresh world can have.
+#[derive(Clone)]
+pub(crate) struct Offers {
+    pub(crate) maps: Maps,
+    pub(crate) scenarios: Scenarios,
 }
 
 /// A thread that works.
@@ -32,17 +39,17 @@ struct Running {
 }
 
 impl Tasks {
-    pub(crate) fn new(maps: Maps, pool: Arc<ThreadPool>, saved_as: PathBuf) -> Self {
-        Self { maps, pool, saved_as, running: Vec::new() }
+    pub(crate) fn new(offers: Offers, pool: Arc<ThreadPool>, saved_as: PathBuf) -> Self {
+        Self { offers, pool, saved_as, running: Vec::new() }
     }
 
     /// Starts a thread for a task.
     pub(crate) fn start(&mut self, task: Task) {
         match task {
-            Task::Make { scene, options, map } => {
-                let (maps, pool) = (self.maps.clone(), self.pool.clone());
+            Task::Make { scene, options, change } => {
+                let (offers, pool) = (self.offers.clone(), self.pool.clone());
                 let make = move || {
-                    let fresh = make(scene, options, map, &maps);
+                    let fresh = make(scene, options, change, &offers);
                     Event::Made(fresh.map(|fresh| Box::new(fresh.on_threads(pool))))
                 };
                 self.run("restart", make, || {
@@ -89,13 +96,21 @@ impl Tasks {
     }
 }
 
-/// Makes a fresh world, on another map if one is named.
-fn make(scene: CompiledScene, options: Options, map: Option<String>, maps: &Maps) -> Result<World, String> {
-    let Some(name) = map else { return Ok(World::new(scene, options)) };
-    let map = maps.find(&name).ok_or_else(|| {
-        let names: Vec<String> = maps.list().into_iter().map(|(name, _)| name).collect();
-        format!("no map `{name}`: expected {}", names.join(", "))
-    })?;
-    let map = (map.read)().map_err(|reason| format!("not changed to the map {name}: {reason}"))?;
-    Ok(World::new(scene.on_map(map), options))
+/// Makes a fresh world, with a change if one is asked for.
+fn make(
+    scene: CompiledScene,
+    options: Options,
+    change: Option<Change>,
+    offers: &Offers,
+) -> Result<World, String> {
+    let scene = match change {
+        None => scene,
+        Some(Change::Map(name)) => scene.on(offers.maps.read(&name)?),
+        Some(Change::Scenario(name)) => {
+            let fresh = scene.on(offers.scenarios.read(&name)?);
+            fresh.def().check().map_err(|problem| format!("the scenario {name} is not begun: {problem}"))?;
+            fresh
+        }
+    };
+    Ok(World::new(scene, options))
 }

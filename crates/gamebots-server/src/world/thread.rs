@@ -18,7 +18,7 @@ use crate::subscribers::live::Broadcast;
 use crate::subscribers::log::Recording;
 use crate::subscribers::publisher::Publisher;
 use crate::subscribers::subscriber::Subscriber;
-use crate::world::tasks::Tasks;
+use crate::world::tasks::{Offers, Tasks};
 
 /// Starts the thread. It ends on request, or when every sender of events is gone. `gone` is dropped when the thread ends, even
 /// by a panic.
@@ -31,11 +31,11 @@ pub(crate) fn spawn(
     others: Vec<Box<dyn Subscriber>>,
     gone: oneshot::Sender<()>,
 ) -> Result<JoinHandle<Result<(), ServeError>>, ServeError> {
-    let Config { maps, real_time_factor, report_errors, log, ros2_log, unnamed_log, threads, .. } = config;
+    let Config { maps, scenarios, real_time_factor, report_errors, log, ros2_log, unnamed_log, threads, .. } = config;
     let pool = Arc::new(threads.clone());
     let world = world.on_threads(pool.clone());
     let settings = Settings { real_time_factor, report_errors, budgets };
-    let mut tasks = Tasks::new(maps, pool, unnamed_log.with_extension("json"));
+    let mut tasks = Tasks::new(Offers { maps, scenarios }, pool, unnamed_log.with_extension("json"));
     let mut recording = Recording::new(world.options(), real_time_factor, ros2_log, unnamed_log);
     if let Some(path) = log {
         recording.start(&path, &world)?;

@@ -65,7 +65,7 @@ impl Ros2Choice {
         let Self { ros2, rosbridge, .. } = *self;
         let asked = [(ros2, "--ros2", "DDS has no password"), (rosbridge, "--rosbridge", "ROS knows no teams")];
         let Some((_, option, why)) = asked.into_iter().find(|(is_asked, ..)| *is_asked) else { return Ok(None) };
-        let guards = [(has_tokens, "--token-file"), (world.league.is_some(), "--league")];
+        let guards = [(has_tokens, "--token-file"), (world.is_contest(), "--league")];
         if let Some((_, guard)) = guards.iter().find(|(is_there, _)| *is_there && !self.ros2_unguarded) {
             let text = format!(
                 "{option} with {guard}: {why}, so every program that comes in could see and drive every robot; --ros2-unguarded allows it"
