@@ -43,6 +43,7 @@ mod rollers;
 mod rolling;
 mod rosbridge;
 mod rough_ground;
+mod scenarios;
 mod scenes;
 mod sensing;
 mod served;

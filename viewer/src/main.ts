@@ -6,15 +6,17 @@ import { Board } from './panel/board';
 import { showCommands, showKeys } from './panel/commands';
 import { askToken } from './panel/dialog';
 import { find, remember, remembered, save, setText } from './panel/dom';
+import { Door } from './panel/door';
 import { DrivePanel } from './panel/drive';
 import { focusView, returnFocusAfterChoice } from './panel/keys';
 import { changeMap, offerMaps } from './panel/maps';
+import { Mission } from './panel/mission';
 import { plainNotice } from './panel/notices';
 import { Opening } from './panel/open';
 import { Pace } from './panel/pace';
 import { buildSheets, buildSplitters, buildTabs } from './panel/panes';
 import { Pictures } from './panel/pictures';
-import { PlayBar } from './panel/play';
+import { PlayBar, othersAgree } from './panel/play';
 import { PlotsPanel } from './panel/plots';
 import { Pointer } from './panel/pointer';
 import { suggestions } from './panel/suggest';
@@ -73,8 +75,13 @@ const playback = new Playback(transport.sceneOfLog, {
     play.update();
     drive.updateMode();
     welcome.update();
+    mission.update();
+    door.update();
   },
-  present: (frame) => plots.push(frame),
+  present(frame) {
+    plots.push(frame);
+    mission.takeFrame(frame);
+  },
   refilled: () => plots.refill(),
   said: say,
   shownTime: () => state.frame?.time ?? 0,
@@ -107,7 +114,8 @@ const drive = new DrivePanel(
   say,
   (robot, isNew) => {
     select(robot);
-    if (isNew) view.fit(robot);
+    // A scenario has a view of its own.
+    if (isNew && !state.scene?.scenario?.camera) view.fit(robot);
   },
   // What drives is in the view, and in the present.
   () => {
@@ -118,6 +126,12 @@ const drive = new DrivePanel(
   transport,
 );
 const board = new Board(state);
+const mission = new Mission(state, {
+  enter: enterScenario,
+  again: () => find('reset').click(),
+  others: () => door.show(),
+  rival: (robotClass, pose) => view.showRival(robotClass, pose),
+});
 const welcome = new Welcome(
   state,
   (robotClass) => drive.spawnAnywhere(robotClass),
@@ -140,6 +154,7 @@ const live = new Live(transport, {
     if (!connected) showBanner(null);
     connected = true;
     playback.takeStatus(status);
+    door.takeStatus(status);
   },
   line: (line) => playback.takeLine(line),
   reading: (reading) => playback.takeReading(reading),
@@ -178,6 +193,12 @@ new Opening(transport, {
   say,
   refused: () => (state.isWatched ? 'this page shows the world of another program' : live.refused),
 });
+const door = new Door(state, playback, transport, {
+  start: (name) => void startScenario(name),
+  refused: () => (state.isWatched ? 'this page shows the world of another program' : live.refused),
+  openLog: () => find('log-file').click(),
+  say,
+});
 const pictures = new Pictures(state, (robots) => live.listenToCameras(robots));
 const world = new WorldPanel(
   state,
@@ -204,11 +225,37 @@ function showScene(scene: Scene): void {
   if (before?.map.name !== scene.map.name || !state.isPresent) pictures.end();
   view.setScene(scene);
   drive.updateScene();
+  mission.update();
+  if (entering !== null && state.isPresent && scene.scenario?.name === entering) {
+    entering = null;
+    enterScenario();
+  }
   document.documentElement.toggleAttribute('data-watched', state.isWatched);
   setText(find('map'), scene.map.name);
   // A log that is opened or closed changes no map.
   const isPresent = state.isPresent && playback.mode === 'live';
   if (isPresent && before && before.map.name !== scene.map.name) say(`The map is now ${scene.map.name}`);
+}
+
+/** Name of the scenario whose robots come with its scene. */
+let entering: string | null = null;
+
+/** Begins a scenario anew, with its robots driven from this page. */
+async function startScenario(name: string): Promise<void> {
+  const what = 'leave, or start again where the scenario has a place for them';
+  if (!(await othersAgree(state, 'Begin a scenario?', what, 'Begin'))) return;
+  entering = name;
+  drive.leaveAll();
+  live.control({ scenario: name });
+}
+
+/** Brings the robots of the scenario that is played, to be driven from this page. */
+function enterScenario(): void {
+  const { scenario, league } = state.scene ?? {};
+  const team = league?.teams[0]?.name ?? null;
+  for (const { class: robotClass, name } of scenario?.robots ?? []) {
+    drive.spawn({ robotClass, name, place: { start: name }, team });
+  }
 }
 
 function showStatus(status: Status): void {
@@ -221,6 +268,7 @@ function showStatus(status: Status): void {
   world.update();
   play.update();
   board.update();
+  mission.update();
   welcome.update();
 }
 
@@ -297,6 +345,7 @@ async function savePicture(): Promise<void> {
 const showTab = buildTabs((tab) => live.listenToWire(tab === 'wire'));
 const showSheet = buildSheets(showTab, showPlots);
 buildSplitters();
+void door.load();
 const preferred = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
 setTheme((remembered('theme') ?? preferred) === 'dark');
 returnFocusAfterChoice();
@@ -314,6 +363,7 @@ const actions: Action[] = [
   { name: 'Plots', key: 'p', shown: 'P', run: () => showPlots(find('plots').hidden === true) },
   { name: 'Plot position, speeds and slip', run: plotFirst },
   { name: 'Wire: the lines of the protocol', key: 'l', shown: 'L', drives: true, run: () => showTab('wire') },
+  { name: 'Scenarios', key: 't', shown: 'T', drives: true, run: () => door.show() },
   { name: 'Change the map', key: 'm', shown: 'M', run: press('map') },
   { name: 'Record a log, or stop', run: press('record') },
   { name: 'Save the world to a file', run: press('save') },

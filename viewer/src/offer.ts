@@ -17,12 +17,12 @@ export interface Start {
 }
 
 /** Returns the start poses of a class of robots; without a class those of all. */
-export function startsOf({ map, league }: Scene, robotClass: string | null = null): Start[] {
+export function startsOf({ map, league, scenario }: Scene, robotClass: string | null = null): Start[] {
   if (!league) return map.starts.map((start) => ({ ...start, label: start.name, team: null }));
   return league.teams
     .filter(({ classes }) => robotClass === null || mayHave(classes, robotClass))
     .flatMap(({ name: team, starts }) =>
-      starts.map((start, index) => ({ ...start, label: `${team} ${index + 1}`, team })),
+      starts.map((start, index) => ({ ...start, label: scenario ? start.name : `${team} ${index + 1}`, team })),
     );
 }
 

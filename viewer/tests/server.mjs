@@ -100,8 +100,10 @@ export function launchBrowser() {
 }
 
 /** Opens the page and waits until the world is shown. What goes to the console as an error is collected. */
-export async function openPage(browser, url, options = {}) {
+export async function openPage(browser, url, { door = false, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
+  // Somebody has left the first screen in this tab.
+  if (!door) await context.addInitScript(() => sessionStorage.setItem('usarsim.door', 'left'));
   const page = await context.newPage();
   const errors = [];
   page.on('console', (message) => message.type() === 'error' && errors.push(message.text()));

@@ -13,8 +13,8 @@ use thread_pool::ThreadPool;
 use crate::access::rights::WorldControl;
 use crate::access::tokens::Tokens;
 use crate::maps::Maps;
-use crate::scenarios::Scenarios;
 use crate::page::opener::Open;
+use crate::scenarios::Scenarios;
 
 /// Configuration of a server.
 #[derive(Debug, Clone)]

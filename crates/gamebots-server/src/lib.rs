@@ -31,12 +31,12 @@ pub use access::tokens::{Tokens, TokensError};
 pub use config::{Config, IfTaken, ImageKind, Listener, Propagation, Ready, Service};
 pub use error::ServeError;
 pub use maps::{AvailableMap, Maps};
-pub use scenarios::{AvailableScenario, Scenarios};
 pub use page::opener::{NotOpened, Open, OpenFiles, Opened, Thing};
 pub use page::view::{Moment, View};
 pub use page_protocol::check_real_time_factor;
 pub use page_protocol::pb as viewer_messages;
 pub use ports::playback::{Playback, play};
+pub use scenarios::{AvailableScenario, Scenarios};
 pub use served_world::{Ended, Entrance, Session};
 pub use world::saves::{SavedFileError, read_saved};
 

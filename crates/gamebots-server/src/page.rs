@@ -9,8 +9,8 @@ pub(crate) mod opener;
 pub(crate) mod packed;
 #[cfg(feature = "ros2")]
 pub(crate) mod rosbridge;
-pub(crate) mod shared;
 pub(crate) mod scenario;
+pub(crate) mod shared;
 pub(crate) mod site;
 pub(crate) mod view;
 pub(crate) mod viewer;

@@ -24,8 +24,8 @@ use crate::error::ServeError;
 use crate::page::class::ClassPages;
 use crate::page::opener::Opener;
 use crate::page::packed::Packed;
-use crate::page::shared::{Framing, Site};
 use crate::page::scenario::ScenarioPages;
+use crate::page::shared::{Framing, Site};
 use crate::page::site::Page;
 use crate::ports::com_server::{self, Registry};
 use crate::ports::controllers::{self, Rules};
@@ -290,9 +290,10 @@ fn site(
         packed: Packed::default(),
         classes: ClassPages::new(&config.world.robots),
         scenarios: ScenarioPages::new(config.scenarios.clone(), &config.world),
-        opener: config.open.clone().map(|open| {
-            Opener::new(open, config.maps.clone(), config.world.robots.clone(), config.world.is_contest())
-        }),
+        opener: config
+            .open
+            .clone()
+            .map(|open| Opener::new(open, config.maps.clone(), config.world.robots.clone(), config.world.is_contest())),
         pages: AtomicU64::new(0),
         framing: Framing::Nobody,
         #[cfg(feature = "ros2")]

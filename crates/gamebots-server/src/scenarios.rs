@@ -26,26 +26,35 @@ impl std::fmt::Debug for AvailableScenario {
     }
 }
 
-/// Scenarios, each with the log of its demo once somebody has asked for it.
+/// A scenario, with the log of its demo once somebody has asked for it.
+#[derive(Debug)]
+pub(crate) struct Offered {
+    pub(crate) scenario: AvailableScenario,
+    /// The log, or the reason why there is none.
+    pub(crate) log: OnceCell<Result<Bytes, String>>,
+}
+
+/// The scenarios of a server. Copies share them.
 #[derive(Debug, Clone, Default)]
-pub struct Scenarios(Arc<Vec<(AvailableScenario, OnceCell<Result<Bytes, String>>)>>);
+pub struct Scenarios(Arc<Vec<Offered>>);
 
 impl From<Vec<AvailableScenario>> for Scenarios {
     fn from(scenarios: Vec<AvailableScenario>) -> Self {
-        Self(Arc::new(scenarios.into_iter().map(|scenario| (scenario, OnceCell::new())).collect()))
+        let offered = |scenario| Offered { scenario, log: OnceCell::new() };
+        Self(Arc::new(scenarios.into_iter().map(offered).collect()))
     }
 }
 
 impl Scenarios {
     /// Returns their cards as JSON.
     pub(crate) fn json(&self) -> String {
-        let all = self.0.iter();
-        scenarios_json(all.map(|(it, _)| (&it.card, it.demo.is_some(), it.picture.is_some())))
+        let all = self.0.iter().map(|offered| &offered.scenario);
+        scenarios_json(all.map(|it| (&it.card, it.demo.is_some(), it.picture.is_some())))
     }
 
-    /// Returns a scenario by its name, with the place for the log of its demo.
-    pub(crate) fn find(&self, name: &str) -> Option<&(AvailableScenario, OnceCell<Result<Bytes, String>>)> {
-        self.0.iter().find(|(scenario, _)| scenario.card.name == name)
+    /// Returns a scenario by its name.
+    pub(crate) fn find(&self, name: &str) -> Option<&Offered> {
+        self.0.iter().find(|offered| offered.scenario.card.name == name)
     }
 
     /// Reads the setting of a scenario.
@@ -53,8 +62,8 @@ impl Scenarios {
     /// # Errors
     /// When there is none of that name, or it cannot be read.
     pub(crate) fn read(&self, name: &str) -> Result<Setting, String> {
-        let (scenario, _) = self.find(name).ok_or_else(|| {
-            let known = names::listed(self.0.iter().map(|(scenario, _)| scenario.card.name.as_str()));
+        let Offered { scenario, .. } = self.find(name).ok_or_else(|| {
+            let known = names::listed(self.0.iter().map(|offered| offered.scenario.card.name.as_str()));
             format!("no scenario `{name}`: expected {known}")
         })?;
         (scenario.read)().map_err(|reason| format!("the scenario {name} is not begun: {reason}"))

@@ -27,7 +27,7 @@ pub enum DemoError {
     Line {
         /// Its number, from 1.
         line: usize,
-        /// What is wrong, and what was expected.
+        /// Problem, and what was expected.
         why: String,
     },
     /// The log cannot be written.
@@ -43,42 +43,79 @@ struct TimedLine {
     line: String,
 }
 
-/// Plays a demo in a fresh world until its goals are reached, and writes the log. Returns the simulated time at which they were, from the first
-/// robot's arrival, s; `None` if they were not.
-///
-/// A line is `TIME CLIENT TEXT`: a simulated time that does not decrease, s, the number of a client, and what it sends. Empty lines and those
-/// that begin with `#` do not count.
+/// A demo that is played in a fresh world: until its goals are reached, or its lines are over, and a little longer.
+pub struct Demo {
+    sessions: LoggedSessions,
+    /// Lines that have not been sent, the last first.
+    lines: Vec<TimedLine>,
+    opened: BTreeSet<SessionId>,
+    finished: Option<f64>,
+    /// Simulated time of its end, s.
+    end: f64,
+}
+
+impl Demo {
+    /// Creates a demo of lines, and its log if one is wanted.
+    ///
+    /// A line is `TIME CLIENT TEXT`: a simulated time that does not decrease, s, the number of a client, and what it sends. Empty lines and
+    /// those that begin with `#` do not count.
+    ///
+    /// # Errors
+    /// When a line is wrong, or the log cannot be written.
+    pub fn new(world: WorldDef, lines: &str, log: Option<&Path>) -> Result<Self, DemoError> {
+        let mut lines = read(lines)?;
+        let end = lines.last().map_or(0.0, |line| line.time) + AFTERWARDS;
+        lines.reverse();
+        let options = Options::default();
+        let log = log.map(|path| LogWriter::create(path, &world, options, &[])).transpose()?;
+        let sessions = LoggedSessions::new(World::new(world, options), log);
+        Ok(Self { sessions, lines, opened: BTreeSet::new(), finished: None, end })
+    }
+
+    /// Returns the world as it is now.
+    pub fn world(&self) -> &World {
+        self.sessions.world()
+    }
+
+    /// Returns the simulated time in which all goals were reached, s; `None` before that.
+    pub fn finished(&self) -> Option<f64> {
+        self.finished
+    }
+
+    /// Sends the lines that are due, and takes a step. Returns false at the end.
+    ///
+    /// # Errors
+    /// When the log cannot be written.
+    pub fn step(&mut self) -> Result<bool, DemoError> {
+        let now = self.world().time();
+        while let Some(line) = self.lines.pop_if(|line| line.time <= now + SAME_TIME) {
+            if self.opened.insert(line.client) {
+                self.sessions.open(line.client)?;
+            }
+            self.sessions.take(line.client, &Request::read(Ok(line.line)), &mut |_| {})?;
+        }
+        if now >= self.end {
+            return Ok(false);
+        }
+        self.sessions.step(&mut |_| {})?;
+        if self.finished.is_none() {
+            let standings = self.sessions.standings();
+            self.finished = standings.and_then(|it| it.teams.iter().find_map(|team| team.finished));
+            self.end = if self.finished.is_some() { now + AFTERWARDS } else { self.end };
+        }
+        Ok(true)
+    }
+}
+
+/// Plays a demo to its end and writes the log. Returns the simulated time in which all goals were reached, s; `None` if they were not.
 ///
 /// # Errors
-/// When a line is wrong, or the log cannot be written.
+/// As [`Demo::new`].
 pub fn write_demo(world: WorldDef, lines: &str, log: &Path) -> Result<Option<f64>, DemoError> {
-    let lines = read(lines)?;
-    let options = Options::default();
-    let log = LogWriter::create(log, &world, options, &[])?;
-    let mut sessions = LoggedSessions::new(World::new(world, options), Some(log));
-    let mut end = lines.last().map_or(0.0, |line| line.time) + AFTERWARDS;
-    let mut opened = BTreeSet::new();
-    let mut next = lines.iter().peekable();
-    let mut finished = None;
-    loop {
-        let now = sessions.world().time();
-        while let Some(line) = next.next_if(|line| line.time <= now + SAME_TIME) {
-            if opened.insert(line.client) {
-                sessions.open(line.client)?;
-            }
-            sessions.take(line.client, &Request::read(Ok(line.line.clone())), &mut |_| {})?;
-        }
-        if now >= end {
-            break;
-        }
-        sessions.step(&mut |_| {})?;
-        if finished.is_none() {
-            finished = sessions.standings().and_then(|it| it.teams.iter().find_map(|team| team.finished));
-            end = if finished.is_some() { now + AFTERWARDS } else { end };
-        }
-    }
-    sessions.finish()?;
-    Ok(finished)
+    let mut demo = Demo::new(world, lines, Some(log))?;
+    while demo.step()? {}
+    demo.sessions.finish()?;
+    Ok(demo.finished)
 }
 
 fn read(text: &str) -> Result<Vec<TimedLine>, DemoError> {
@@ -105,7 +142,10 @@ mod tests {
     #[test]
     fn a_wrong_line_is_named() {
         for (text, expected) in [
-            ("0.5 1 DRIVE {Left 1}\n0.4 1 DRIVE {Left 0}", "line 2 of the demo: got the time 0.4, expected 0.5 to 300 s"),
+            (
+                "0.5 1 DRIVE {Left 1}\n0.4 1 DRIVE {Left 0}",
+                "line 2 of the demo: got the time 0.4, expected 0.5 to 300 s",
+            ),
             ("# a note\n\nnan 1 INIT", "line 3 of the demo: got the time NaN, expected 0 to 300 s"),
             ("1e9 1 INIT", "line 1 of the demo: got the time 1000000000, expected 0 to 300 s"),
             ("0 INIT", "line 1 of the demo: expected `TIME CLIENT TEXT`"),
@@ -114,6 +154,9 @@ mod tests {
             let error = read(text).err().map(|error| error.to_string());
             assert_eq!(error.as_deref(), Some(expected), "{text}");
         }
-        assert_eq!(read("0 1 INIT {ClassName USARBot.P3AT}\n2.5 1 DRIVE {Left 1} {Right 1}").map_or(0, |it| it.len()), 2);
+        assert_eq!(
+            read("0 1 INIT {ClassName USARBot.P3AT}\n2.5 1 DRIVE {Left 1} {Right 1}").map_or(0, |it| it.len()),
+            2
+        );
     }
 }

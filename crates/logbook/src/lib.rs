@@ -7,7 +7,7 @@ mod logged;
 mod records;
 mod replay;
 
-pub use demo::{DemoError, write_demo};
+pub use demo::{Demo, DemoError, write_demo};
 pub use logged::LoggedSessions;
 pub use records::record;
 pub use replay::{Replay, ReplayError, replay};

@@ -239,6 +239,8 @@ struct TeamStatus {
     found: usize,
     /// Simulated time from the first robot's arrival to its last goal, when it has reached all, s.
     finished: Option<f64>,
+    /// Names of the goals that it has reached, in that order.
+    reached: Vec<String>,
     /// Numbers of the robots that entered for it.
     robots: Vec<u64>,
     /// The last changes of its points, newest first.
@@ -254,6 +256,7 @@ impl LeagueStatus {
             name: team.team.clone(),
             points: team.points,
             finished: team.finished,
+            reached: team.scores.iter().filter_map(|score| Some(score.goal()?.to_owned())).collect(),
             found: team.scores.iter().filter(|score| score.is_found_victim()).count(),
             robots: team.robots.iter().map(|entrant| entrant.robot).collect(),
             scores: team.scores.iter().rev().take(MAX_SCORES).cloned().collect(),

@@ -313,7 +313,11 @@ pub fn scene_json(world: &WorldDef, about: Option<&About>) -> String {
         names: world.robots.keys().map(String::as_str).collect(),
         classes: classes.map(|(name, def)| (name.as_str(), class(def))).collect(),
         league: world.league.as_ref().map(|rules| league(rules, &world.map)),
-        scenario: world.scenario.as_ref().zip(world.league.as_ref()).map(|(it, league)| scenario(it, league, &world.map)),
+        scenario: world
+            .scenario
+            .as_ref()
+            .zip(world.league.as_ref())
+            .map(|(it, league)| scenario(it, league, &world.map)),
     };
     // Every key is a string, so serialization cannot fail.
     serde_json::to_string(&scene).unwrap_or_default()

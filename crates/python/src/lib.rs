@@ -38,6 +38,7 @@ fn _native(module: &Bound<PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(main, module)?)?;
     module.add_function(wrap_pyfunction!(picture::_png, module)?)?;
     module.add_function(wrap_pyfunction!(scene::maps, module)?)?;
+    module.add_function(wrap_pyfunction!(scene::scenarios, module)?)?;
     module.add_function(wrap_pyfunction!(scene::robots, module)?)?;
     module.add_function(wrap_pyfunction!(environments::tasks, module)?)?;
     module.add_function(wrap_pyfunction!(runs::replay, module)?)?;

@@ -11,6 +11,9 @@ use sim_core::CompiledScene;
 
 use crate::error;
 
+/// Map of a scene that is told none.
+const DEFAULT_MAP: &str = "hall";
+
 /// Returns the names of the shipped maps.
 #[pyfunction]
 pub(crate) fn maps() -> Vec<String> {
@@ -21,6 +24,12 @@ pub(crate) fn maps() -> Vec<String> {
 #[pyfunction]
 pub(crate) fn robots() -> Vec<String> {
     scene_loader::robot_names()
+}
+
+/// Returns the names of the shipped scenarios.
+#[pyfunction]
+pub(crate) fn scenarios() -> Vec<String> {
+    scene_loader::scenario_names()
 }
 
 /// A map with classes of robots. Worlds share it.
@@ -38,10 +47,11 @@ impl Scene {
 #[pymethods]
 impl Scene {
     #[new]
-    #[pyo3(signature = (map = "hall", *, robots = Vec::new(), set = Vec::new(), equipment = None, drive_model = None))]
+    #[pyo3(signature = (map = None, *, scenario = None, robots = Vec::new(), set = Vec::new(), equipment = None, drive_model = None))]
     fn new(
         py: Python,
-        map: &str,
+        map: Option<&str>,
+        scenario: Option<&str>,
         robots: Vec<PathBuf>,
         set: Vec<String>,
         equipment: Option<&str>,
@@ -55,7 +65,16 @@ impl Scene {
             let equipment = equipment.map_err(error::scene)?;
             let files: Vec<_> = robots.iter().map(PathBuf::as_path).collect();
             let changes = Changes { overrides: &overrides, equipment: &equipment };
-            let mut def = scene_loader::load_equipped(map, &files, changes).map_err(error::scene)?;
+            let loaded = match (map, scenario) {
+                (Some(_), Some(_)) => {
+                    return Err(error::scene("got both map and scenario: a scenario has its own map"));
+                }
+                (map, None) => scene_loader::load_equipped(map.unwrap_or(DEFAULT_MAP), &files, changes),
+                (None, Some(name)) => {
+                    scene_loader::scenario(name).and_then(|setting| scene_loader::load_around(setting, &files, changes))
+                }
+            };
+            let mut def = loaded.map_err(error::scene)?;
             def.robots.change(move |robot| robot.set_drive_model(model));
             Ok(Self { compiled: def.into() })
         })

@@ -501,3 +501,19 @@ def test_readings_and_robots_behave_as_python_expects(world):
     assert "position" in truth and "nothing" not in truth and list(truth) == truth.keys() and len(truth) == 2
     assert robot == world.robots[0] and robot in world.robots and len({robot, world.robots[0]}) == 1
     assert robot != world.copy().robots[0] and robot != 1
+
+
+def test_a_scenario_is_played_and_judged():
+    world = usarsim.World(usarsim.Scene(scenario="sideways"))
+    with pytest.raises(usarsim.CommandError, match="team players has no P3AT: expected one of KUKA_YouBot"):
+        world.spawn("P3AT")
+    robot = world.spawn("KUKA_YouBot")
+    assert (world.reached, world.finished) == ([], None)
+    while world.finished is None and world.time < 60:
+        robot.drive_twist(right=max(-0.3, min(0.3, 1.5 * (2.0 - robot.position[1]))), clockwise=-2 * robot.rotation[2])
+        world.run(0.1)
+    assert world.reached == ["on-the-mark"] and 5 < world.finished < 30
+    with pytest.raises(usarsim.SceneError, match="got both map and scenario"):
+        usarsim.Scene("hall", scenario="sideways")
+    with pytest.raises(usarsim.SceneError, match="unknown scenario `side`"):
+        usarsim.Scene(scenario="side")

@@ -32,7 +32,7 @@ pub use league::{Communication, Controllers, LeagueFile, league};
 pub use overrides::{Override, check_used};
 pub use problem::{FileProblem, LoadError};
 pub use robot::of_urdf::WheelDrive;
-pub use scenario::{ListedScenario, listed_scenario, scenario, scenario_names, scenarios_in};
+pub use scenario::{ListedScenario, listed_scenarios, scenario, scenario_names, scenarios_in};
 pub use sdf::robot::{SdfFile, SdfRobot, is_sdf, is_sdf_model, sdf_robot, sdf_robots};
 pub use shipped::{File, map_description, map_files, map_names, robot_files, robot_folders, robot_names};
 
@@ -56,7 +56,8 @@ pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
         return check_ini(path);
     }
     if path.extension().is_none_or(|extension| extension != "toml") {
-        let expected = "a .toml (robot, map, scenario, league, materials, objects or equipment), a .urdf or an .ini file";
+        let expected =
+            "a .toml (robot, map, scenario, league, materials, objects or equipment), a .urdf or an .ini file";
         return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
     }
     check_toml(path)

@@ -14,7 +14,7 @@ use crate::shipped::{SCENARIOS, built_in_materials, folders, unknown};
 use crate::source::Source;
 use crate::{catalogue, map as map_file};
 
-const KEYS: &str = "title, text, keys, map, time_limit, stars, camera, robot, victims, zone, goal, half_space, box, ramp, cylinder, ball, \
+const KEYS: &str = "title, text, keys, map, time_limit, stars, rank, camera, robot, victims, zone, goal, half_space, box, ramp, cylinder, ball, \
                     mesh, height_field";
 /// File of a scenario, in its folder.
 const SCENARIO: &str = "scenario.toml";
@@ -26,12 +26,16 @@ const PICTURE: &str = "picture.jpg";
 const MAX_PICTURE: u64 = 1 << 20;
 /// Most scenarios of a folder.
 const MAX_SCENARIOS: usize = 256;
+/// Place in lists of a scenario that says none.
+const LAST: u32 = 100;
 /// The only team.
 const TEAM: &str = "players";
 
 /// A scenario as a list shows it, without its map, and the files beside it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ListedScenario {
+    /// Its name, or the path of its file or folder, as it was asked for.
+    pub found: String,
     /// The card.
     pub card: ScenarioCard,
     /// Lines of a run that reaches the goals, with their times.
@@ -53,7 +57,8 @@ struct RobotTable {
 
 /// Returns the names of the embedded scenarios.
 pub fn scenario_names() -> Vec<String> {
-    folders(&SCENARIOS)
+    let is_scenario = |name: &String| SCENARIOS.get_file(format!("{name}/{SCENARIO}")).is_some();
+    folders(&SCENARIOS).into_iter().filter(is_scenario).collect()
 }
 
 /// Lists the scenarios of a folder: its folders with a `scenario.toml`, by their names.
@@ -88,11 +93,18 @@ pub fn scenario(name: &str) -> Result<Setting, LoadError> {
     }
 }
 
-/// Reads what a list shows of a scenario. Only [`scenario`] checks all of it.
+/// Reads what a list shows of scenarios, and sorts them by their rank and then by their names.
 ///
 /// # Errors
 /// Reports an unknown name, an unreadable file, or a file without what a list shows.
-pub fn listed_scenario(name: &str) -> Result<ListedScenario, LoadError> {
+pub fn listed_scenarios(names: &[String]) -> Result<Vec<ListedScenario>, LoadError> {
+    let mut listed = names.iter().map(|name| listed_scenario(name)).collect::<Result<Vec<_>, _>>()?;
+    listed.sort_by(|a, b| (a.card.rank, &a.card.name).cmp(&(b.card.rank, &b.card.name)));
+    Ok(listed)
+}
+
+/// Reads what a list shows of a scenario. Only [`scenario`] checks all of it.
+fn listed_scenario(asked: &str) -> Result<ListedScenario, LoadError> {
     #[derive(Deserialize)]
     struct Robot {
         class: String,
@@ -105,18 +117,20 @@ pub fn listed_scenario(name: &str) -> Result<ListedScenario, LoadError> {
         map: String,
         time_limit: f64,
         stars: [f64; 2],
+        rank: Option<u32>,
         robot: Vec<Robot>,
     }
-    let (source, file, name) = find(name)?;
+    let (source, file, name) = find(asked)?;
     let unreadable = |reason: String| LoadError::Unreadable { file: source.display(&file), reason };
-    let Head { title, text, keys, map, time_limit, stars, robot } =
+    let Head { title, text, keys, map, time_limit, stars, rank, robot } =
         toml::from_str(&source.text(&file)?).map_err(|error| unreadable(error.message().to_owned()))?;
     let robots = robot.into_iter().map(|robot| robot.class).collect();
     let map = Path::new(&map).file_name().map_or(map.clone(), |name| name.to_string_lossy().into_owned());
     let demo = source.has(DEMO).then(|| source.text(DEMO)).transpose()?;
     let picture = source.has(PICTURE).then(|| source.bytes(PICTURE, MAX_PICTURE)).transpose()?;
-    let card = ScenarioCard { name, title, text, keys, map, robots, time_limit, stars };
-    Ok(ListedScenario { card, demo, picture })
+    let rank = rank.unwrap_or(LAST);
+    let card = ScenarioCard { name, title, text, keys, map, robots, time_limit, stars, rank };
+    Ok(ListedScenario { found: asked.to_owned(), card, demo, picture })
 }
 
 /// Returns the folder, the file and the name of a scenario.
@@ -148,6 +162,7 @@ fn read(
     let map: Option<String> = document.required(&mut root, "map", "the name of a map");
     let time_limit: Option<f64> = document.required(&mut root, "time_limit", "the time to its end in seconds");
     let stars: Option<[f64; 2]> = document.required(&mut root, "stars", "times for three stars and two in seconds");
+    let _: Option<u32> = document.optional(&mut root, "rank");
     let camera: Option<Viewpoint> = document.section(&mut root, "camera").ok().flatten().map(|(_, camera)| camera);
     let Some(map) = map else { return Ok(None) };
     let mut map = catalogue::map(&beside(source.path(), map), &[])?;

@@ -139,6 +139,11 @@ impl Score {
         self.reason.starts_with("found ")
     }
 
+    /// Returns the name of the goal or victim that it is for; penalties have none.
+    pub fn goal(&self) -> Option<&str> {
+        ["found ", "reached "].into_iter().find_map(|done| self.reason.strip_prefix(done))
+    }
+
     /// Returns the bytes of memory that its texts take.
     pub fn held(&self) -> usize {
         size_of::<Self>() + self.team.len() + self.reason.len()

@@ -78,4 +78,6 @@ pub struct ScenarioCard {
     pub time_limit: f64,
     /// Times for three stars and two, s.
     pub stars: [f64; 2],
+    /// Place in lists: those with a smaller number come first.
+    pub rank: u32,
 }

@@ -19,7 +19,7 @@ pub enum Task {
         scene: CompiledScene,
         /// Seed and units.
         options: Options,
-        /// What is to be another, if anything.
+        /// Setting to change to, if any.
         change: Option<Change>,
     },
     /// Writes the state of a world, for [`crate::Event::Saved`].
@@ -33,7 +33,7 @@ pub enum Task {
     },
 }
 
-/// What a fresh world has in place of the old one's map, by its name.
+/// Setting of a fresh world in place of the old one's, by its name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Change {
     /// A map, on which nothing is played.

@@ -44,7 +44,12 @@ impl CompiledScene {
         let Parts { def, materials, robots, .. } = &*self.0;
         let (mut materials, robots) = (materials.clone(), robots.clone());
         let compiled = CompiledMap::new(&map, &mut materials);
-        Self(Arc::new(Parts { def: WorldDef { map, league, scenario, ..def.clone() }, map: compiled, materials, robots }))
+        Self(Arc::new(Parts {
+            def: WorldDef { map, league, scenario, ..def.clone() },
+            map: compiled,
+            materials,
+            robots,
+        }))
     }
 
     /// Returns the definition that it was compiled from.

@@ -33,9 +33,8 @@ pub(crate) fn maps(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 pub(crate) fn scenarios(arguments: &Arguments) -> Result<(), Failure> {
-    let names = scene_loader::scenario_names();
-    let listed: Result<Vec<_>, _> = names.iter().map(|name| scene_loader::listed_scenario(name)).collect();
-    let cards = listed.map_err(broken)?.into_iter().map(|listed| listed.card);
+    let listed = scene_loader::listed_scenarios(&scene_loader::scenario_names()).map_err(broken)?;
+    let cards = listed.into_iter().map(|listed| listed.card);
     if arguments.json {
         let list = cards.map(|card| {
             json!({

@@ -13,8 +13,8 @@ use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gamebots_proto::Dialect;
 use gamebots_server::{
-    AvailableMap, AvailableScenario, Config, IfTaken, ImageKind, Listener, Open, Propagation, Ready, ServeError, Service, Tokens,
-    WorldControl,
+    AvailableMap, AvailableScenario, Config, IfTaken, ImageKind, Listener, Open, Propagation, Ready, ServeError,
+    Service, Tokens, WorldControl,
 };
 use scene::{DriveModel, WorldDef};
 use scene_loader::{Changes, Communication, Controllers, LeagueFile, ListedScenario, LoadError, Override};
@@ -443,12 +443,11 @@ fn scenarios(folder: Option<&Path>, played: Option<&str>) -> Result<Vec<Availabl
         add(path);
     }
     played.into_iter().for_each(|name| add(name.to_owned()));
-    let available = |name: String| {
-        let ListedScenario { card, demo, picture } = scene_loader::listed_scenario(&name).map_err(wrong)?;
-        let read = Arc::new(move || scene_loader::scenario(&name).map_err(|error| error.to_string()));
-        Ok(AvailableScenario { card, picture, read, demo })
+    let available = |ListedScenario { found, card, demo, picture }| {
+        let read = Arc::new(move || scene_loader::scenario(&found).map_err(|error| error.to_string()));
+        AvailableScenario { card, picture, read, demo }
     };
-    names.into_iter().map(available).collect()
+    Ok(scene_loader::listed_scenarios(&names).map_err(wrong)?.into_iter().map(available).collect())
 }
 
 /// Returns the maps that the page offers: the first one, then the built-in ones with the same overrides. A scenario has a map of its own.

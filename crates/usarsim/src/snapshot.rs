@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use gamebots_proto::command::Command;
 use gamebots_proto::{Line, Problem};
 use indicatif::ProgressBar;
+use logbook::Demo;
 use nalgebra::Vector3;
 use picture::{Camera, Image, Stage};
-use scene::DriveModel;
-use scene_loader::Override;
+use scene::{DriveModel, Viewpoint};
+use scene_loader::{Changes, Equipment, LoadError, Override};
 use sim_core::{Options, World};
 
 use crate::output::{definition_files, keep_inputs};
@@ -21,7 +22,8 @@ use crate::{Failure, exit, print};
     usarsim snapshot --robot KUKA_YouBot --out youbot.png --view front\n  \
     usarsim snapshot --map slope-4.5 --robot P3AT --start RobotStart2 --seconds 2 \\\n    \
     --drive \"{Left 2} {Right 2}\" --out slope.png --size 1600x900\n  \
-    usarsim snapshot --robot YouBot --drive \"{LateralVelocity 0.2}\" --film 4 --out aside.png --size 640x360")]
+    usarsim snapshot --robot YouBot --drive \"{LateralVelocity 0.2}\" --film 4 --out aside.png --size 640x360\n  \
+    usarsim snapshot --scenario stairs --seconds 5 --film 12 --out stairs.png --size 640x400")]
 pub(crate) struct Arguments {
     /// A map by name, or the path of a map.toml or of its folder.
     #[arg(long, default_value = "hall", value_name = "NAME|FILE")]
@@ -35,6 +37,13 @@ pub(crate) struct Arguments {
     /// A DRIVE line for the robot, with or without the verb.
     #[arg(long, value_name = "BLOCKS", requires = "robot")]
     drive: Option<String>,
+    /// A scenario by name, or the path of its scenario.toml or of its folder: its demo, from its camera.
+    #[arg(
+        long,
+        value_name = "NAME|FILE",
+        conflicts_with_all = ["map", "robot", "set", "drive_model", "view", "distance"]
+    )]
+    scenario: Option<String>,
     /// Simulated seconds before the picture is taken.
     #[arg(long, default_value = "1", value_parser = seconds)]
     seconds: f64,
@@ -118,37 +127,96 @@ fn size(text: &str) -> Result<[usize; 2], String> {
 const FRAMES_PER_SECOND: u16 = 15;
 /// Vertical field of view, rad.
 const FIELD_OF_VIEW: f64 = 0.6;
+/// Vertical field of view of the page, for which the cameras of scenarios are chosen, rad.
+const PAGE_FIELD_OF_VIEW: f64 = 0.733;
 /// Distances of the camera from a robot over that at which it fills the picture: a driving one needs more room.
 const AROUND: f64 = 1.15;
 const AROUND_IN_FILMS: f64 = 2.0;
+
+/// A world that goes on by itself, or by the lines of a demo.
+enum Moving {
+    Alone(Box<World>),
+    Demo(Box<Demo>),
+}
+
+impl Moving {
+    fn world(&self) -> &World {
+        match self {
+            Self::Alone(world) => world,
+            Self::Demo(demo) => demo.world(),
+        }
+    }
+
+    /// Takes steps up to a simulated time, s. A demo ends before.
+    fn run_to(&mut self, time: f64) -> Result<(), String> {
+        while self.world().time() < time {
+            match self {
+                Self::Alone(world) => drop(world.step()),
+                Self::Demo(demo) => match demo.step().map_err(|error| error.to_string())? {
+                    true => {}
+                    false => break,
+                },
+            }
+        }
+        Ok(())
+    }
+}
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let given = [Some(&arguments.map), arguments.robot.as_ref()];
     let inputs: Vec<PathBuf> = given.into_iter().flatten().flat_map(|given| definition_files(given)).collect();
     keep_inputs(&arguments.out, &inputs)?;
-    let configuration = |error: String| Failure::new(exit::BAD_CONFIGURATION, error);
+    let (mut moving, camera) = match &arguments.scenario {
+        Some(name) => demo(name, arguments.size),
+        None => scene(arguments),
+    }
+    .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
+    let [width, height] = arguments.size;
+    let stage = Stage::new(moving.world().def());
+    if arguments.scenario.is_some() {
+        moving.run_to(arguments.seconds).map_err(|error| Failure::new(exit::BAD_DATA, error))?;
+    }
+    let draw = |world: &World| picture::picture(&stage, world.def(), &world.snapshot(), &camera, arguments.size);
+    let written = match arguments.film {
+        Some(seconds) => film(&mut moving, seconds, draw)
+            .and_then(|frames| picture::film(&frames, FRAMES_PER_SECOND).map_err(|error| error.to_string())),
+        None => draw(moving.world()).to_png().map_err(|error| error.to_string()),
+    };
+    let written = written.and_then(|png| std::fs::write(&arguments.out, png).map_err(|error| error.to_string()));
+    written.map_err(|error| Failure::new(exit::FAILURE, format_args!("{}: {error}", arguments.out.display())))?;
+    print(format_args!("{} ({width} x {height})", arguments.out.display()));
+    Ok(())
+}
+
+/// Returns a map, with a robot that has driven for a time if one is wanted, and the camera.
+fn scene(arguments: &Arguments) -> Result<(Moving, Camera), String> {
     let is_file = |robot: &str| {
         let is_built_in = |class: &String| class.eq_ignore_ascii_case(robot);
         Path::new(robot).exists() && !scene_loader::robot_names().iter().any(is_built_in)
     };
     let file = arguments.robot.as_deref().filter(|robot| is_file(robot));
     let files: Vec<&Path> = file.into_iter().map(Path::new).collect();
-    let mut def = scene_loader::load_with(&arguments.map, &files, &arguments.set)
-        .map_err(|error| configuration(error.to_string()))?;
+    let loaded = scene_loader::load_with(&arguments.map, &files, &arguments.set);
+    let mut def = loaded.map_err(|error| error.to_string())?;
     let drive_model = arguments.drive_model;
     def.robots.change(move |robot| robot.set_drive_model(drive_model));
     let mut world = World::new(def, Options::default());
     if let Some(robot) = &arguments.robot {
-        let class = scene_loader::robot(robot, &[]).map_err(|error| configuration(error.to_string()))?.class;
-        place(&mut world, &class, arguments).map_err(configuration)?;
+        let class = scene_loader::robot(robot, &[]).map_err(|error| error.to_string())?.class;
+        place(&mut world, &class, arguments)?;
     }
+    let camera = camera(&world, arguments);
+    Ok((Moving::Alone(Box::new(world)), camera))
+}
+
+/// Returns the camera that the options ask for.
+fn camera(world: &World, arguments: &Arguments) -> Camera {
     let stage = Stage::new(world.def());
     let snapshot = world.snapshot();
     let robot = snapshot.robots.first();
     let ahead = robot.map_or_else(Vector3::x, |robot| robot.body.pose.rotation * Vector3::x());
     let turn = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::z_axis(), ahead.y.atan2(ahead.x));
     let direction = turn * arguments.view.direction().normalize();
-    let [width, height] = arguments.size;
     let drawn = robot.map_or_else(
         || picture::corners_of_map(&world.def().map),
         |robot| stage.corners_of(world.def(), &snapshot, robot),
@@ -160,34 +228,45 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         (Some(_), Some(_)) => AROUND_IN_FILMS,
     };
     let distance = arguments.distance.unwrap_or(around * (fitted.eye - fitted.target).norm());
-    let camera = Camera { eye: fitted.target + direction * distance, ..fitted };
-    let draw = |world: &World| picture::picture(&stage, world.def(), &world.snapshot(), &camera, arguments.size);
-    let written = match arguments.film {
-        Some(seconds) => picture::film(&film(&mut world, seconds, draw), FRAMES_PER_SECOND),
-        None => draw(&world).to_png(),
+    Camera { eye: fitted.target + direction * distance, ..fitted }
+}
+
+/// Returns the demo of a scenario, and the camera of the scenario, or one for its whole map.
+fn demo(name: &str, size: [usize; 2]) -> Result<(Moving, Camera), String> {
+    let text = |error: LoadError| error.to_string();
+    let setting = scene_loader::scenario(name).map_err(text)?;
+    let listed = scene_loader::listed_scenarios(&[name.to_owned()]).map_err(text)?;
+    let lines = listed.into_iter().next().and_then(|listed| listed.demo).unwrap_or_default();
+    let camera = setting.scenario.as_ref().and_then(|scenario| scenario.camera);
+    let changes = Changes { overrides: &[], equipment: &Equipment::default() };
+    let def = scene_loader::load_around(setting, &[], changes).map_err(text)?;
+    let whole = || {
+        let corners = picture::corners_of_map(&def.map);
+        Camera::fitting(&corners, -View::Corner.direction(), FIELD_OF_VIEW, size)
     };
-    let written = written.map_err(|error| error.to_string());
-    let written = written.and_then(|png| std::fs::write(&arguments.out, png).map_err(|error| error.to_string()));
-    written.map_err(|error| Failure::new(exit::FAILURE, format_args!("{}: {error}", arguments.out.display())))?;
-    print(format_args!("{} ({width} x {height})", arguments.out.display()));
-    Ok(())
+    let camera = camera.map_or_else(whole, |Viewpoint { from, at }| Camera {
+        eye: from.into(),
+        target: at.into(),
+        down: Vector3::z(),
+        field_of_view: PAGE_FIELD_OF_VIEW,
+    });
+    let demo = Demo::new(def, &lines, None).map_err(|error| format!("{name}: {error}"))?;
+    Ok((Moving::Demo(Box::new(demo)), camera))
 }
 
 /// Draws frames of the world from now on.
-fn film(world: &mut World, seconds: f64, draw: impl Fn(&World) -> Image) -> Vec<Image> {
+fn film(moving: &mut Moving, seconds: f64, draw: impl Fn(&World) -> Image) -> Result<Vec<Image>, String> {
     let count = (seconds * f64::from(FRAMES_PER_SECOND)).round().max(1.0) as u64;
     let progress = ProgressBar::new(count).with_message("frames");
-    let begin = world.time();
+    let begin = moving.world().time();
     let mut pictures = Vec::new();
     for number in 0..count {
-        while world.time() < begin + number as f64 / f64::from(FRAMES_PER_SECOND) {
-            world.step();
-        }
-        pictures.push(draw(world));
+        moving.run_to(begin + number as f64 / f64::from(FRAMES_PER_SECOND))?;
+        pictures.push(draw(moving.world()));
         progress.inc(1);
     }
     progress.finish_and_clear();
-    pictures
+    Ok(pictures)
 }
 
 /// Spawns the robot on the map, drives it, and runs the world for a time.

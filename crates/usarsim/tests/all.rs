@@ -11,3 +11,4 @@ mod import;
 mod import_map;
 mod log;
 mod open;
+mod scenarios;

@@ -38,7 +38,8 @@ export class Board {
 
   /** Shows the league that is played; none hides the board. */
   update(): void {
-    const league = this.state.status?.league ?? null;
+    // A scenario has a card of its own.
+    const league = this.state.scene?.scenario ? null : (this.state.status?.league ?? null);
     this.element.hidden = !league;
     if (!league) return;
     setText(find('board-name'), league.name);

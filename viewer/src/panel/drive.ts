@@ -152,6 +152,16 @@ export class DrivePanel {
     this.form.focus();
   }
 
+  /** Spawns a robot as it is said, whatever the form offers. */
+  spawn(spawn: Spawn): void {
+    this.connect(spawn);
+  }
+
+  /** Takes all own robots away. */
+  leaveAll(): void {
+    [...this.robots].forEach((own) => this.forget(own));
+  }
+
   /** Spawns a robot of a class at the first start that is free. */
   spawnAnywhere(robotClass: string): void {
     this.form.choose(robotClass);

@@ -21,7 +21,7 @@ export class Welcome {
   /** Updates the cards after the robots, the scene or its classes changed. */
   update(): void {
     const { status, scene, isPresent } = this.state;
-    this.element.hidden = !isPresent || !status || status.robots.length > 0;
+    this.element.hidden = !isPresent || !status || status.robots.length > 0 || scene?.scenario !== null;
     if (!scene) return;
     const offered = firstClasses(scene);
     const described = offered.map((name) => [name, scene.classes[name]?.description ?? '']);

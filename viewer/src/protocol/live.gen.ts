@@ -16,7 +16,7 @@ robots: Array<number>,
  */
 cameras: Array<number>, };
 
-export type Control = { "pause": boolean } | { "step": number } | { "speed": number } | "reset" | { "record": boolean } | "save" | { "remove": number } | { "map": string };
+export type Control = { "pause": boolean } | { "step": number } | { "speed": number } | "reset" | { "record": boolean } | "save" | { "remove": number } | { "map": string } | { "scenario": string };
 
 export type Fit = { 
 /**
@@ -181,6 +181,14 @@ place: number, name: string, points: number,
  * Number of victims that it found.
  */
 found: number, 
+/**
+ * Simulated time from the first robot's arrival to its last goal, when it has reached all, s.
+ */
+finished: number | null, 
+/**
+ * Names of the goals that it has reached, in that order.
+ */
+reached: Array<string>, 
 /**
  * Numbers of the robots that entered for it.
  */

@@ -1,6 +1,6 @@
 /** Transport over HTTP and WebSockets, to the server that the page comes from. */
 
-import type { RobotClass, Scene, Spawned } from './scene';
+import type { RobotClass, ScenarioCard, Scene, Spawned } from './scene';
 import { fetchWithToken } from './token';
 import type { Opened, Transport } from './transport';
 
@@ -9,6 +9,11 @@ export const network: Transport = {
   robotClass: async (name) => (await json(`class/${encodeURIComponent(name)}`)) as RobotClass,
   objects: async () => (await json('objects.json')) as Spawned[],
   sceneOfLog: async (world) => (await json('scene.json', { method: 'POST', body: world })) as Scene,
+  scenarios: async () => (await json('scenarios.json')) as ScenarioCard[],
+  async demo(scenario) {
+    const log = await fetchWithToken(`scenario/${encodeURIComponent(scenario)}/demo.mcap`);
+    return new File([await log.blob()], `${scenario}.mcap`);
+  },
   async openFiles(files, chosen) {
     const form = new FormData();
     files.forEach((file, path) => form.append(path, file));

@@ -22,7 +22,7 @@ names: Array<string>,
 /**
  * Classes of a log's world. A server has each at `/class/<name>`.
  */
-classes: Record<string, RobotClass>, league: League | null, };
+classes: Record<string, RobotClass>, league: League | null, scenario: Scenario | null, };
 
 export type League = { 
 /**
@@ -35,6 +35,34 @@ export type Team = { name: string, starts: Array<NamedPlace>,
  * Classes that its robots may have; any if empty.
  */
 classes: Array<string>, };
+
+export type Scenario = { name: string, title: string, text: string, keys: string, robots: Array<ScenarioRobot>, 
+/**
+ * Names of the goals, in the order of the file.
+ */
+goals: Array<string>, 
+/**
+ * Simulated times for three stars and two, s.
+ */
+stars: [number, number], 
+/**
+ * Simulated time to its end, s.
+ */
+time_limit: number, camera: Viewpoint | null, };
+
+export type ScenarioRobot = { class: string, name: string, };
+
+export type Viewpoint = { from: [number, number, number], at: [number, number, number], };
+
+export type ScenarioCard = { name: string, title: string, text: string, keys: string, map: string, robots: Array<string>, time_limit: number, stars: [number, number], 
+/**
+ * True if `/scenario/<name>/demo.mcap` is a run that reaches the goals.
+ */
+demo: boolean, 
+/**
+ * True if `/scenario/<name>/picture.jpg` shows it.
+ */
+picture: boolean, };
 
 export type OtherMap = { name: string, description: string, };
 

@@ -7,6 +7,8 @@ export type {
   Joint,
   NamedPlace,
   RobotClass,
+  Scenario,
+  ScenarioCard,
   Scene,
   Sensor,
   Solid,

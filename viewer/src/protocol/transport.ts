@@ -1,6 +1,6 @@
 /** Way between the page and a server. `network.ts` has the one over HTTP and WebSockets. */
 
-import type { RobotClass, Scene, Spawned } from './scene';
+import type { RobotClass, ScenarioCard, Scene, Spawned } from './scene';
 
 export interface Transport {
   /** Returns the scene. Fails with `Refused` if the server wants a token, or another one. */
@@ -10,6 +10,10 @@ export interface Transport {
   objects(): Promise<Spawned[]>;
   /** Returns the scene that the server makes of a log's world, in JSON. */
   sceneOfLog(world: string): Promise<Scene>;
+  /** Returns the scenarios that the server offers. */
+  scenarios(): Promise<ScenarioCard[]>;
+  /** Returns the log of a scenario's demo. The server plays it when somebody first asks, which takes a second or two. */
+  demo(scenario: string): Promise<File>;
   /** Sends files of other programs, by their paths, to the server, which opens the chosen one, or the only one that it could be. */
   openFiles(files: ReadonlyMap<string, File>, chosen: string | null): Promise<Opened>;
   /** Opens a connection: `live` shows and controls the world, `wire` is the protocol of controllers. */

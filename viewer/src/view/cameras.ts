@@ -104,6 +104,15 @@ export class Cameras {
     if (!wantsLessMotion()) this.turntable = Math.PI / 2;
   }
 
+  /** Looks at a place from another, both on the stage, at once. */
+  place(from: THREE.Vector3, at: THREE.Vector3): void {
+    this.switchTo('orbit');
+    const way = at.clone().sub(from);
+    const yaw = Math.atan2(way.y, way.x);
+    const pitch = Math.asin(-way.z / way.length());
+    this.fly({ target: at, yaw, pitch, distance: way.length() }, true);
+  }
+
   resize(width: number, height: number): void {
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();

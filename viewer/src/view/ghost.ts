@@ -1,4 +1,4 @@
-/** A robot that is not there yet: where it would be put. */
+/** A robot that is not there: where one would be put, or where another run was. */
 
 import * as THREE from 'three';
 import type { RobotState } from '../protocol/frame';
@@ -25,6 +25,7 @@ export class Ghost {
 
   constructor() {
     this.group.add(this.robot);
+    this.group.visible = false;
   }
 
   get decal(): THREE.Object3D {
@@ -59,6 +60,15 @@ export class Ghost {
         ring: 1.4,
       },
     ]);
+  }
+
+  /** Shows a robot of a fleet's class at a pose, without a shadow; none hides it. */
+  put(fleet: RobotFleet | null, [x, y, z, ...turn]: Pose): void {
+    this.group.visible = fleet !== null;
+    if (!fleet) return;
+    if (fleet !== this.shown) this.build(fleet, null);
+    this.robot.position.set(x, y, z);
+    this.robot.quaternion.set(...turn);
   }
 
   /** Forgets the classes of a world that is no more. */

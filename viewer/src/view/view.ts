@@ -2,7 +2,7 @@
 
 import * as THREE from 'three';
 import type { Frame, Scan } from '../protocol/frame';
-import type { Scene, Vector } from '../protocol/scene';
+import type { Pose, Scene, Vector } from '../protocol/scene';
 import { type CameraMode, Cameras } from './cameras';
 import { COLOURS } from './colours';
 import { Ghost } from './ghost';
@@ -52,6 +52,8 @@ export class View {
   private readonly still: Still;
   private readonly outline = new Outline();
   private readonly ghost = new Ghost();
+  /** A robot of another run. */
+  private readonly rival = new Ghost();
   private world: World | null = null;
   private readonly shown = new Map<Layer, boolean>();
   private frame: Frame | null = null;
@@ -108,6 +110,7 @@ export class View {
     this.world?.robots.dispose();
     this.outline.clear();
     this.ghost.clear();
+    this.rival.clear();
     this.labels.clear();
     this.stage.world.clear();
     this.frame = this.drawnFrame = null;
@@ -121,12 +124,15 @@ export class View {
     if (this.world) world.robots.selected = this.world.robots.selected;
     this.world = world;
     world.overlay.select(world.robots.selected);
-    this.stage.world.add(map.group, world.robots.group, world.overlay.group, this.outline.group, this.ghost.group);
+    const apart = [this.outline.group, this.ghost.group, this.rival.group];
+    this.stage.world.add(map.group, world.robots.group, world.overlay.group, ...apart);
     labelMap(this.labels, scene);
     labelObjects(this.labels, objectsOf(scene), this.catalogue);
     this.shown.forEach((shown, layer) => this.show(layer, shown));
     this.cameras.home(this.extent(), true);
-    this.cameras.wasTouched = false;
+    const first = scene.scenario?.camera ?? null;
+    this.cameras.wasTouched = first !== null;
+    if (first) this.cameras.place(onStage(first.from), onStage(first.at));
     this.stage.setGround(map.ground, this.mapExtent(), map.hasFloor);
     this.fitting = null;
     if (!this.stage.isSoftware) this.cameras.startTurntable();
@@ -186,7 +192,7 @@ export class View {
   /** Turns to a movable object. */
   lookAtObject(number: number): void {
     const pose = this.frame?.objects.find((object) => object.number === number)?.pose;
-    if (pose) this.cameras.lookAt(new THREE.Vector3(pose[0], -pose[1], -pose[2]));
+    if (pose) this.cameras.lookAt(onStage([pose[0], pose[1], pose[2]]));
   }
 
   /** Shows a robot, or all of the map, as large as there is room, from the side from which it is seen now. */
@@ -256,6 +262,14 @@ export class View {
     const fleet = robotClass === null ? null : (this.world?.robots.fleet(robotClass) ?? null);
     const alike = this.world?.robots.all.find((known) => known.fleet === fleet);
     this.ghost.show(fleet, place, yaw, alike?.state ?? null, alike?.colour ?? COLOURS[0]);
+    this.stir();
+  }
+
+  /** Shows a robot of a class where it was in another run; null for none. */
+  showRival(robotClass: string, pose: Pose | null): void {
+    if (!pose && !this.rival.group.visible) return;
+    const fleet = pose && (this.world?.robots.fleet(robotClass) ?? null);
+    this.rival.put(fleet, pose ?? [0, 0, 0, 0, 0, 0, 1]);
     this.stir();
   }
 
@@ -427,7 +441,7 @@ export class View {
   /** Returns the place of a robot on the stage. */
   private placeOf(robot: number | null): THREE.Vector3 | null {
     const pose = this.frame?.robots.find(({ id }) => id === robot)?.pose;
-    return pose ? new THREE.Vector3(pose[0], -pose[1], -pose[2]) : null;
+    return pose ? onStage([pose[0], pose[1], pose[2]]) : null;
   }
 
   private lookedRobot(): ReturnType<ConstructorParameters<typeof Cameras>[1]['robot']> {
@@ -476,6 +490,11 @@ export class View {
   private bodiless(): THREE.Object3D[] {
     const { map, robots, overlay } = this.world ?? {};
     const decals = [...(map?.decals ?? []), ...(robots ? [robots.decal] : []), ...(map ? [map.starts] : [])];
-    return [...decals, ...(overlay ? [overlay.group] : []), this.outline.group, this.ghost.group];
+    return [...decals, ...(overlay ? [overlay.group] : []), this.outline.group, this.ghost.group, this.rival.group];
   }
+}
+
+/** A place of the wire's frame on the stage, where z is up. */
+function onStage([x, y, z]: Vector): THREE.Vector3 {
+  return new THREE.Vector3(x, -y, -z);
 }

@@ -1,10 +1,7 @@
 //! Scenarios on the page: their cards, pictures, and logs of their demos. A demo is played when somebody first asks for it, so its log is
 //! always of this version's physics.
 
-use std::sync::Arc;
-
 use axum::body::Bytes;
-use axum::extract::{Path, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use scene::{MapDef, WorldDef};
@@ -12,8 +9,7 @@ use tokio::sync::Semaphore;
 use tokio::task::spawn_blocking;
 
 use crate::page::packed::json;
-use crate::page::shared::Site;
-use crate::scenarios::{AvailableScenario, Scenarios};
+use crate::scenarios::{AvailableScenario, Offered, Scenarios};
 
 /// Scenarios as the page offers them.
 pub(crate) struct ScenarioPages {
@@ -29,35 +25,34 @@ impl ScenarioPages {
         let world = WorldDef { map: MapDef::default(), league: None, scenario: None, ..world.clone() };
         Self { scenarios, world, turn: Semaphore::new(1) }
     }
-}
 
-/// Answers with the cards of all scenarios.
-pub(crate) async fn list(State(site): State<Arc<Site>>) -> Response {
-    json(site.scenarios.scenarios.json().into())
-}
-
-/// Answers with a scenario's picture.
-pub(crate) async fn picture(State(site): State<Arc<Site>>, Path(name): Path<String>) -> Response {
-    match site.scenarios.scenarios.find(&name).and_then(|(scenario, _)| scenario.picture.clone()) {
-        Some(picture) => ([(header::CONTENT_TYPE, "image/jpeg")], picture).into_response(),
-        None => nothing(&name),
+    /// Answers with the cards of all scenarios.
+    pub(crate) fn list(&self) -> Response {
+        json(self.scenarios.json().into())
     }
-}
 
-/// Answers with the log of a scenario's demo. It is played once; who asks meanwhile waits.
-pub(crate) async fn demo(State(site): State<Arc<Site>>, Path(name): Path<String>) -> Response {
-    let ScenarioPages { scenarios, world, turn } = &site.scenarios;
-    let Some((scenario, log)) = scenarios.find(&name) else { return nothing(&name) };
-    let Some(lines) = scenario.demo.clone() else { return nothing(&name) };
-    let played = log.get_or_init(|| async {
-        let _turn = turn.acquire().await;
-        let (scenario, world) = (scenario.clone(), world.clone());
-        let played = spawn_blocking(move || play(&scenario, world, &lines));
-        played.await.unwrap_or_else(|_| Err("a defect: the demo cannot be played".to_owned()))
-    });
-    match played.await {
-        Ok(log) => ([(header::CONTENT_TYPE, "application/octet-stream")], log.clone()).into_response(),
-        Err(reason) => (StatusCode::UNPROCESSABLE_ENTITY, format!("{reason}\n")).into_response(),
+    /// Answers with a scenario's picture.
+    pub(crate) fn picture(&self, name: &str) -> Response {
+        match self.scenarios.find(name).and_then(|offered| offered.scenario.picture.clone()) {
+            Some(picture) => ([(header::CONTENT_TYPE, "image/jpeg")], picture).into_response(),
+            None => nothing(name),
+        }
+    }
+
+    /// Answers with the log of a scenario's demo. It is played once; who asks meanwhile waits.
+    pub(crate) async fn demo(&self, name: &str) -> Response {
+        let Some(Offered { scenario, log }) = self.scenarios.find(name) else { return nothing(name) };
+        let Some(lines) = scenario.demo.clone() else { return nothing(name) };
+        let played = log.get_or_init(|| async {
+            let _turn = self.turn.acquire().await;
+            let (scenario, world) = (scenario.clone(), self.world.clone());
+            let played = spawn_blocking(move || play(&scenario, world, &lines));
+            played.await.unwrap_or_else(|_| Err("a defect: the demo cannot be played".to_owned()))
+        });
+        match played.await {
+            Ok(log) => ([(header::CONTENT_TYPE, "application/octet-stream")], log.clone()).into_response(),
+            Err(reason) => (StatusCode::UNPROCESSABLE_ENTITY, format!("{reason}\n")).into_response(),
+        }
     }
 }
 

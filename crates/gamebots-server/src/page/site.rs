@@ -25,7 +25,7 @@ use crate::access::tokens::Role;
 use crate::access::waiting_room::Visitor;
 use crate::page::packed::json;
 use crate::page::shared::{Peer, Site, Visit};
-use crate::page::{file, log_scene, metrics, open, scenario, viewer, wire};
+use crate::page::{file, log_scene, metrics, open, viewer, wire};
 
 /// Longest time for the head of a request, and for a client to read its response.
 const TIMEOUT: Duration = Duration::from_secs(10);
@@ -46,10 +46,10 @@ impl Page {
             .route("/class/{name}", get(class))
             .route("/objects.json", get(objects))
             .route("/league.json", get(league))
-            .route("/scenarios.json", get(scenario::list))
-            .route("/scenario/{name}/demo.mcap", get(scenario::demo))
+            .route("/scenarios.json", get(scenarios))
+            .route("/scenario/{name}/demo.mcap", get(demo))
             .route_layer(for_viewers.clone())
-            .route("/scenario/{name}/picture.jpg", get(scenario::picture))
+            .route("/scenario/{name}/picture.jpg", get(picture))
             .route("/live", get(viewer::upgrade))
             .route("/wire", get(wire::upgrade))
             .route("/open", post(open::answer).layer(DefaultBodyLimit::max(open::MAX_BYTES)));
@@ -105,6 +105,18 @@ async fn class(State(site): State<Arc<Site>>, Path(name): Path<String>, headers:
 /// Answers with the objects beside the map's.
 async fn objects(State(site): State<Arc<Site>>) -> Response {
     json(site.channels.objects())
+}
+
+async fn scenarios(State(site): State<Arc<Site>>) -> Response {
+    site.scenarios.list()
+}
+
+async fn picture(State(site): State<Arc<Site>>, Path(name): Path<String>) -> Response {
+    site.scenarios.picture(&name)
+}
+
+async fn demo(State(site): State<Arc<Site>>, Path(name): Path<String>) -> Response {
+    site.scenarios.demo(&name).await
 }
 
 /// Answers with every team's points; `null` without a league.

@@ -97,12 +97,7 @@ impl Tasks {
 }
 
 /// Makes a fresh world, with a change if one is asked for.
-fn make(
-    scene: CompiledScene,
-    options: Options,
-    change: Option<Change>,
-    offers: &Offers,
-) -> Result<World, String> {
+fn make(scene: CompiledScene, options: Options, change: Option<Change>, offers: &Offers) -> Result<World, String> {
     let scene = match change {
         None => scene,
         Some(Change::Map(name)) => scene.on(offers.maps.read(&name)?),

@@ -39,6 +39,7 @@ from ._native import (
     _validate,
     maps,
     robots,
+    scenarios,
     tasks,
 )
 from ._picture import Picture
@@ -69,6 +70,7 @@ __all__ = [
     "maps",
     "replay",
     "robots",
+    "scenarios",
     "run_experiment",
     "tasks",
     "validate",

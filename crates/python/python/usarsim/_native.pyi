@@ -28,6 +28,7 @@ __all__ = [
     "_png",
     "maps",
     "robots",
+    "scenarios",
     "tasks",
     "_replay",
     "_validate",
@@ -71,22 +72,25 @@ class Scene:
 
     def __new__(
         cls,
-        map: str = "hall",
+        map: str | None = None,
         *,
+        scenario: str | None = None,
         robots: Sequence[_Path] = ...,
         set: Sequence[str] = ...,
         equipment: str | None = None,
         drive_model: _DriveModel | None = None,
     ) -> Scene:
-        """Loads a map and all shipped robot classes.
+        """Loads a map, or a scenario with its own, and all shipped robot classes.
 
-        `map` is the name of a shipped map, see `maps()`, or the path of a map.toml or its folder. `robots` adds classes:
+        `map` is the name of a shipped map, see `maps()`, or the path of a map.toml or its folder, by default `hall`. `scenario` is
+        the name of a shipped scenario, see `scenarios()`, or the path of a scenario.toml or its folder: `world.spawn` puts its
+        robots at their starts, and `world.reached` and `world.finished` judge them. `robots` adds classes:
         paths of a robot.toml, its folder, or a URDF file. Their names are those of the folder or the URDF file. `set` replaces
         numbers: a list of `PATH=VALUE`, as `robot.wheels.gain=2.5` (every robot that has it), `P3AT.wheel.FLWheel.gain=1`,
         `map.gravity=1.62` or `material.carpet.friction=0.5`. `equipment` replaces what robots carry: the name of a set, as
         `robocup2014`, or the path of its file. `drive_model` replaces the drive model of every class that can have it.
 
-        Raises `SceneError` for an unknown name, a mistake in a file, or an override that changes nothing.
+        Raises `SceneError` for an unknown name, a mistake in a file, an override that changes nothing, or both a map and a scenario.
         """
 
     @property
@@ -270,6 +274,14 @@ class World:
         >>> world.control("CONTROL {Type GetSTA} {Name box}")[0][:62]
         'STA {Name box} {Size 0.5000,0.5000,-0.5000} {Location 3.0000,0'
         """
+
+    @property
+    def reached(self) -> list[str]:
+        """Names of the goals of the scenario that have been reached, in that order. Without a scenario there are none."""
+
+    @property
+    def finished(self) -> float | None:
+        """Simulated time from the first robot's arrival in which all goals of the scenario were reached, s; None before that."""
 
     @property
     def digest(self) -> str:
@@ -900,6 +912,14 @@ def maps() -> list[str]:
 
     >>> import usarsim
     >>> "rough" in usarsim.maps()
+    True
+    """
+
+def scenarios() -> list[str]:
+    """Returns the names of the shipped scenarios.
+
+    >>> import usarsim
+    >>> "stairs" in usarsim.scenarios()
     True
     """
 

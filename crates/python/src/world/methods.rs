@@ -279,6 +279,20 @@ impl World {
         self.ask(session, &Request::read(Ok(line.to_owned())))
     }
 
+    /// Names of the goals that have been reached, in that order. Without a league or a scenario there are none.
+    #[getter]
+    fn reached(&self) -> Vec<String> {
+        let teams = self.sessions.standings().unwrap_or_default().teams;
+        let scores = teams.iter().flat_map(|team| &team.scores);
+        scores.filter_map(|score| score.goal().map(str::to_owned)).collect()
+    }
+
+    /// Simulated time from the first robot's arrival in which a team has reached all goals, s.
+    #[getter]
+    fn finished(&self) -> Option<f64> {
+        self.sessions.standings()?.teams.iter().find_map(|team| team.finished)
+    }
+
     /// Hash of the bits of every body.
     #[getter]
     fn digest(&self) -> String {

@@ -4,11 +4,7 @@ use super::limits::{LEAGUE_TIME, MAP_REACH, MAX_STARTS};
 use super::{SceneProblem, count, first, name, shown, wire_name};
 use crate::{Classes, League, Scenario};
 
-pub(super) fn check_scenario(
-    def: &Scenario,
-    league: Option<&League>,
-    robots: &Classes,
-) -> Result<(), SceneProblem> {
+pub(super) fn check_scenario(def: &Scenario, league: Option<&League>, robots: &Classes) -> Result<(), SceneProblem> {
     let place = format!("the scenario {}", shown(&def.name));
     let Some(league) = league else { return first(&place, ["it has no league: expected its goals".to_owned()]) };
     let unknown = def.robots.iter().filter(|robot| !robots.contains_key(&robot.class));
@@ -18,11 +14,10 @@ pub(super) fn check_scenario(
 
 /// Lists the problems of a scenario whose time ends after so long, s.
 pub fn scenario(def: &Scenario, time_limit: f64) -> Vec<String> {
-    let mut wrong: Vec<String> =
-        [("name", &def.name), ("title", &def.title), ("text", &def.text), ("keys", &def.keys)]
-            .into_iter()
-            .flat_map(|(key, text)| name(key, text))
-            .collect();
+    let mut wrong: Vec<String> = [("name", &def.name), ("title", &def.title), ("text", &def.text), ("keys", &def.keys)]
+        .into_iter()
+        .flat_map(|(key, text)| name(key, text))
+        .collect();
     if def.robots.is_empty() {
         wrong.push("no [[robot]]: expected at least one".to_owned());
     }
@@ -31,7 +26,9 @@ pub fn scenario(def: &Scenario, time_limit: f64) -> Vec<String> {
     wrong.extend(LEAGUE_TIME.problem_in("stars", &def.stars));
     let [three, two] = def.stars;
     if !(three <= two && two <= time_limit) {
-        wrong.push(format!("`stars` is [{three}, {two}]: expected a first time that is less, both within {time_limit} s"));
+        wrong.push(format!(
+            "`stars` is [{three}, {two}]: expected a first time that is less, both within {time_limit} s"
+        ));
     }
     for (key, point) in def.camera.iter().flat_map(|it| [("camera.from", it.from), ("camera.at", it.at)]) {
         wrong.extend(MAP_REACH.problem_in(key, &point));

@@ -1,0 +1,108 @@
+/** The card of the scenario that is played: what to do, its goals, the clock and the stars. */
+
+import { Run, bestTime, clockText, keepBest, starText, starsFor } from '../best';
+import type { Frame } from '../protocol/frame';
+import type { Pose, Scenario } from '../protocol/scene';
+import type { State } from '../state';
+import { find, make, setText } from './dom';
+
+/** Requests of the card. */
+interface Wishes {
+  /** Brings the scenario's robots in. */
+  enter(): void;
+  /** Starts it again. */
+  again(): void;
+  /** Shows the other scenarios. */
+  others(): void;
+  /** Shows a robot of a class where it was in the best run; null for none. */
+  rival(robotClass: string, pose: Pose | null): void;
+}
+
+export class Mission {
+  private readonly element = find('mission');
+  private readonly clock = make('output', { class: 'time', id: 'mission-time' });
+  private readonly goals = make('ul', { class: 'goals' });
+  private readonly result = make('p', { class: 'result', role: 'status' });
+  private readonly enter = make('button', { id: 'mission-enter', class: 'main' }, 'Start');
+  private readonly again = make('button', { id: 'mission-again' }, 'Again');
+  private readonly others = make('button', { id: 'mission-others' }, 'Other scenarios');
+  private shown: Scenario | null = null;
+  /** Number of the world whose end has been counted. */
+  private counted = -1;
+  private line = '';
+  private run = new Run();
+  private best: Run | null = null;
+
+  constructor(
+    private readonly state: State,
+    private readonly wishes: Wishes,
+  ) {
+    this.enter.onclick = () => wishes.enter();
+    this.again.onclick = () => wishes.again();
+    this.others.onclick = () => wishes.others();
+  }
+
+  /** Updates the card after the scene, the status or the shown moment has changed. */
+  update(): void {
+    const { scene, status, isPresent } = this.state;
+    const scenario = isPresent ? (scene?.scenario ?? null) : null;
+    this.element.hidden = !scenario || !status;
+    if (!scenario || !status) return;
+    if (scenario !== this.shown) this.build(scenario);
+    const [team] = status.league?.teams ?? [];
+    const timeLeft = status.league?.time_left ?? scenario.time_limit;
+    const finished = team?.finished ?? null;
+    setText(this.clock, clockText(finished ?? scenario.time_limit - timeLeft));
+    const reached = new Set(team?.reached ?? []);
+    for (const goal of this.goals.children) {
+      goal.classList.toggle('done', reached.has(goal.getAttribute('data-goal') ?? ''));
+    }
+    this.enter.hidden = status.robots.length > 0;
+    this.again.hidden = status.league?.has_begun !== true;
+    this.again.classList.toggle('main', finished !== null || status.league?.is_over === true);
+    if (finished !== null && this.counted !== status.resets) {
+      this.counted = status.resets;
+      const isBest = keepBest(scenario.name, finished, this.run);
+      const best = isBest ? 'Your best.' : `Your best is ${clockText(bestTime(scenario.name) ?? finished)}.`;
+      this.line = `${starText(starsFor(scenario, finished))} in ${clockText(finished)}. ${best}`;
+    }
+    setText(this.result, finished !== null ? this.line : status.league?.is_over ? 'The time is up.' : ready(scenario));
+    this.element.classList.toggle('finished', finished !== null);
+  }
+
+  /** Takes a frame of the server's world: the first robot's run, beside which the best one goes. */
+  takeFrame(frame: Frame): void {
+    const [first] = this.shown?.robots ?? [];
+    const played = this.state.status?.robots.find((robot) => first && robot.name === first.name);
+    const pose = frame.robots.find(({ id }) => id === played?.id)?.pose;
+    if (!first || !this.state.isPresent) return;
+    if (!pose) return this.wishes.rival(first.class, null);
+    const before = this.run.seconds;
+    this.run.take(frame.time, pose);
+    if (this.run.seconds < before) this.best = Run.best(this.shown?.name ?? '');
+    this.wishes.rival(first.class, this.best?.at(this.run.seconds) ?? null);
+  }
+
+  private build(scenario: Scenario): void {
+    this.shown = scenario;
+    this.counted = -1;
+    [this.run, this.best] = [new Run(), Run.best(scenario.name)];
+    const goal = (name: string) => make('li', { 'data-goal': name }, name.replaceAll('-', ' '));
+    this.goals.replaceChildren(...scenario.goals.map(goal));
+    this.element.replaceChildren(
+      make('header', {}, make('h2', {}, scenario.title), this.clock),
+      make('p', {}, scenario.text),
+      make('p', { class: 'quiet' }, scenario.keys),
+      this.goals,
+      this.result,
+      make('div', { class: 'row' }, this.enter, this.again, this.others),
+    );
+  }
+}
+
+/** Describes what is to be won. */
+function ready({ name, stars: [three, two] }: Scenario): string {
+  const best = bestTime(name);
+  const own = best === null ? '' : ` Your best is ${clockText(best)}.`;
+  return `★★★ within ${three} s, ★★ within ${two} s.${own}`;
+}
