@@ -66,7 +66,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     /// Run a simulation server until Ctrl-C or SIGTERM.
-    Serve(serve::Arguments),
+    Serve(Box<serve::Arguments>),
     /// Drive a robot with the keyboard.
     Teleop(teleop::Arguments),
     /// Send lines to a server and print its answers, with history and completion.
@@ -138,7 +138,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 
 fn dispatch(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
-        Command::Serve(arguments) => serve::run(arguments),
+        Command::Serve(arguments) => serve::run(*arguments),
         Command::Teleop(arguments) => teleop::run(&arguments),
         Command::Connect(arguments) => connect::run(&arguments),
         Command::Relay(arguments) => relay::run(&arguments),
