@@ -9,6 +9,9 @@ export default defineConfig({
     proxy: {
       // The server lets only its own page in.
       '/scene.json': { target: server, changeOrigin: true, headers: { origin: server } },
+      '/scenarios.json': { target: server, changeOrigin: true, headers: { origin: server } },
+      '/scenario/': { target: server, changeOrigin: true, headers: { origin: server } },
+      '/class/': { target: server, changeOrigin: true, headers: { origin: server } },
       '/objects.json': { target: server, changeOrigin: true, headers: { origin: server } },
       '/live': { target: server, ws: true, changeOrigin: true, headers: { origin: server } },
       '/wire': { target: server, ws: true, changeOrigin: true, headers: { origin: server } },

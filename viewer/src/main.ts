@@ -199,7 +199,14 @@ const door = new Door(state, playback, transport, {
   openLog: () => find('log-file').click(),
   say,
 });
-const pictures = new Pictures(state, (robots) => live.listenToCameras(robots));
+const pictures = new Pictures(
+  state,
+  (robots) => live.listenToCameras(robots),
+  (robot) => {
+    select(robot);
+    tools.swapRobotsView();
+  },
+);
 const world = new WorldPanel(
   state,
   pictures,

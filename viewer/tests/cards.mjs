@@ -22,7 +22,8 @@ const [WIDTH, HEIGHT] = [320, 200];
 const wanted = process.argv.slice(2);
 const folders = readdirSync(join(root, 'scenarios'), { withFileTypes: true }).filter((entry) => entry.isDirectory());
 const browser = await launchBrowser();
-const server = await startServer();
+// The folder's own files, which may be newer than those in the program.
+const server = await startServer('--scenarios', join(root, 'scenarios'));
 for (const { name } of folders) {
   if (wanted.length > 0 && !wanted.includes(name)) continue;
   const { page } = await openPage(browser, server.url, { door: true, colorScheme: 'light' });

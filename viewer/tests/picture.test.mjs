@@ -40,3 +40,31 @@ pageTest(
     }
   },
 );
+
+pageTest('a picture of a camera stands over the view, is moved, and changes places', {}, async ({ page }) => {
+  await spawnRobot(page, { robotClass: 'P3AT' });
+  await page.click('[data-camera]');
+  await page.waitForSelector('.picture img:not([hidden])');
+  await page.click('.picture figcaption button');
+  await page.waitForSelector('#view .inset img:not([hidden])');
+  const box = () => page.locator('.inset').boundingBox();
+  const before = await box();
+  await page.mouse.move(before.x + 60, before.y + 12);
+  await page.mouse.down();
+  await page.mouse.move(before.x + 160, before.y - 38);
+  await page.mouse.up();
+  const dragged = await box();
+  assert.deepEqual([dragged.x - before.x, dragged.y - before.y], [100, -50]);
+  await page.focus('.inset header');
+  await page.keyboard.press('ArrowDown');
+  await page.keyboard.press('+');
+  const moved = await box();
+  assert.ok(moved.y > dragged.y && moved.width > dragged.width, JSON.stringify(moved));
+  await page.dblclick('.inset .screen');
+  await page.waitForFunction(() => document.querySelector('#camera').value === 'robot');
+  await page.dblclick('.inset .screen');
+  await page.waitForFunction(() => document.querySelector('#camera').value === 'orbit');
+  await page.click('.inset header button');
+  await page.waitForSelector('.picture img:not([hidden])');
+  assert.equal(await page.locator('.inset').count(), 0);
+});

@@ -1,5 +1,6 @@
 //! `scenario.toml`: something to do on a map. Its goals are written as those of a league.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use scene::{League, NamedPose, Scenario, ScenarioCard, ScenarioRobot, Setting, Team, Viewpoint, check};
@@ -93,12 +94,17 @@ pub fn scenario(name: &str) -> Result<Setting, LoadError> {
     }
 }
 
-/// Reads what a list shows of scenarios, and sorts them by their rank and then by their names.
+/// Reads what a list shows of scenarios, and sorts them by their rank and then by their names. The last one of several with a name counts.
 ///
 /// # Errors
 /// Reports an unknown name, an unreadable file, or a file without what a list shows.
 pub fn listed_scenarios(names: &[String]) -> Result<Vec<ListedScenario>, LoadError> {
-    let mut listed = names.iter().map(|name| listed_scenario(name)).collect::<Result<Vec<_>, _>>()?;
+    let mut by_name = BTreeMap::new();
+    for name in names {
+        let listed = listed_scenario(name)?;
+        by_name.insert(listed.card.name.clone(), listed);
+    }
+    let mut listed: Vec<ListedScenario> = by_name.into_values().collect();
     listed.sort_by(|a, b| (a.card.rank, &a.card.name).cmp(&(b.card.rank, &b.card.name)));
     Ok(listed)
 }

@@ -430,24 +430,18 @@ fn propagation(choice: Option<Propagation>, league: Option<&LeagueFile>) -> Prop
 fn scenarios(folder: Option<&Path>, played: Option<&str>) -> Result<Vec<AvailableScenario>, Failure> {
     let wrong = |error: LoadError| Failure::new(exit::BAD_CONFIGURATION, error);
     let mut names = scene_loader::scenario_names();
-    let mut add = |name: String| {
-        // The newer one of two with a name counts.
-        if let Some(same) = names.iter().position(|known| *known == name) {
-            names.remove(same);
-        }
-        names.push(name);
-    };
     for path in folder.map(scene_loader::scenarios_in).transpose().map_err(wrong)?.into_iter().flatten() {
         let path = path.display().to_string();
         scene_loader::scenario(&path).map_err(wrong)?;
-        add(path);
+        names.push(path);
     }
-    played.into_iter().for_each(|name| add(name.to_owned()));
+    names.extend(played.map(str::to_owned));
     let available = |ListedScenario { found, card, demo, picture }| {
         let read = Arc::new(move || scene_loader::scenario(&found).map_err(|error| error.to_string()));
         AvailableScenario { card, picture, read, demo }
     };
-    Ok(scene_loader::listed_scenarios(&names).map_err(wrong)?.into_iter().map(available).collect())
+    let listed = scene_loader::listed_scenarios(&names).map_err(wrong)?;
+    Ok(listed.into_iter().map(available).collect())
 }
 
 /// Returns the maps that the page offers: the first one, then the built-in ones with the same overrides. A scenario has a map of its own.

@@ -70,11 +70,15 @@ fn the_page_offers_scenarios_with_logs_of_their_demos() {
         std::fs::write(own.join("scenario.toml"), OWN).expect("a file");
         std::fs::write(own.join("demo.txt"), demo).expect("a file");
     }
+    // One with the name of a built-in one replaces it.
+    std::fs::create_dir(folder.path().join("crate")).expect("a folder");
+    std::fs::write(folder.path().join("crate/scenario.toml"), OWN.replace("rank = 0", "rank = 1")).expect("a file");
     let server = Serving::start(&["--http", "0", "--scenarios", &folder.path().display().to_string()]);
     let list = json(&server, "/scenarios.json");
     let names: Vec<&str> = list.as_array().expect("a list").iter().filter_map(|card| card["name"].as_str()).collect();
     // A rank of 0 comes first, and then the name counts.
-    assert!(names.len() == 12 && names[..3] == ["own", "wrong", "stairs"], "{names:?}");
+    assert!(names.len() == 12 && names[..4] == ["own", "wrong", "crate", "stairs"], "{names:?}");
+    assert_eq!(list[2]["title"], "Own");
     let (status, log) = get(&server, "/scenario/own/demo.mcap");
     assert!(status == 200 && log.starts_with(b"\x89MCAP"), "{status}");
     // It is played once: the second answer is the same file.

@@ -71,6 +71,10 @@ export class Door {
     this.scenarios = await this.transport.scenarios().catch(() => []);
     if (this.scenarios.length === 0) return;
     this.cards.replaceChildren(...this.scenarios.map((card) => this.card(card)));
+    // A link to a scenario: #scenario=stairs.
+    const asked = new URLSearchParams(location.hash.slice(1)).get('scenario');
+    this.chosen = this.scenarios.find(({ name }) => name === asked) ?? null;
+    if (this.chosen) this.wasLeft = false;
     this.update();
   }
 

@@ -4,6 +4,7 @@ import type { Picture } from '../protocol/frame';
 import type { Camera } from '../protocol/scene';
 import type { State } from '../state';
 import { fixed, make, setText } from './dom';
+import { Inset } from './inset';
 
 export class Pictures {
   /** Pictures by robot and sensor. */
@@ -13,6 +14,8 @@ export class Pictures {
   constructor(
     private readonly state: State,
     private readonly wanted: (robots: number[]) => void,
+    /** Changes places: the view looks through the robot's camera, or no longer. */
+    private readonly swap: (robot: number) => void,
   ) {
     // Timers of a page that is hidden run late.
     document.addEventListener('visibilitychange', () => this.tellWanted());
@@ -49,7 +52,8 @@ export class Pictures {
     let row = this.rows.get(key(robot, index));
     if (!row?.isOf(name, camera)) {
       row?.hide();
-      row = new PictureRow(robot, index, name, camera, () => this.update());
+      const uses = { changed: () => this.update(), swap: () => this.swap(robot) };
+      row = new PictureRow(robot, index, name, camera, uses);
       this.rows.set(key(robot, index), row);
     }
     row.setOwner(this.state.nameOf(robot));
@@ -78,9 +82,12 @@ class PictureRow {
   private isPresent = true;
   /** False in a folded robot, in a closed panel and where the panel has been scrolled away. */
   private isInView = false;
+  /** Its window over the view, while it has one. */
+  private inset: Inset | null = null;
+  private readonly apart = make('button', { class: 'plain' });
   private readonly observer = new IntersectionObserver((entries) => {
     this.isInView = entries.at(-1)?.isIntersecting ?? false;
-    this.changed();
+    this.uses.changed();
   });
 
   constructor(
@@ -88,18 +95,20 @@ class PictureRow {
     index: number,
     private readonly name: string,
     private readonly camera: Camera,
-    private readonly changed: () => void,
+    private readonly uses: { changed(): void; swap(): void },
   ) {
     this.button = make('button', { 'data-camera': key(robot, index) });
     this.button.onclick = () => {
       if (this.isShown) this.hide();
       else this.show();
-      changed();
+      uses.changed();
     };
     this.screen = make('div', { class: 'screen' }, this.image, this.placeholder);
     // Its room is kept before the first picture, so that nothing jumps.
     this.screen.style.aspectRatio = `${camera.width} / ${camera.height}`;
-    this.figure = make('figure', { hidden: '' }, this.screen, make('figcaption', {}, this.time));
+    this.apart.onclick = () => (this.inset ? this.putBack() : this.putApart());
+    const caption = make('figcaption', { class: 'row' }, this.time, this.apart);
+    this.figure = make('figure', { hidden: '' }, this.screen, caption);
     const head = make('div', { class: 'row' }, make('span', {}, name), this.button);
     this.element = make('div', { class: 'picture' }, head, this.figure);
     this.hide();
@@ -136,6 +145,7 @@ class PictureRow {
   }
 
   hide(): void {
+    this.putBack();
     [this.isShown, this.isInView] = [false, false];
     this.observer.disconnect();
     this.figure.hidden = true;
@@ -150,7 +160,24 @@ class PictureRow {
     this.observer.observe(this.screen);
   }
 
+  /** Puts the picture into a window over the view. */
+  private putApart(): void {
+    const title = `${this.name} of ${this.owner}`;
+    this.inset = new Inset(title, this.figure, this.uses.swap, () => this.putBack());
+    this.updateButton();
+  }
+
+  /** Puts the picture back into its panel. */
+  private putBack(): void {
+    this.element.append(this.figure);
+    this.figure.ondblclick = null;
+    this.inset?.remove();
+    this.inset = null;
+    this.updateButton();
+  }
+
   private updateButton(): void {
+    setText(this.apart, this.inset ? 'Put it back' : 'Over the view');
     const action = this.isShown ? 'Hide picture' : 'Show picture';
     setText(this.button, action);
     this.button.setAttribute('aria-pressed', String(this.isShown));

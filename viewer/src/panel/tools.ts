@@ -7,6 +7,8 @@ import { find, make, remember, remembered } from './dom';
 
 export class Tools {
   private readonly camera = find<HTMLSelectElement>('camera');
+  /** Camera before that of the robot. */
+  private before: CameraMode = 'orbit';
 
   constructor(
     private readonly state: State,
@@ -28,6 +30,13 @@ export class Tools {
   look(mode = this.camera.value as CameraMode): void {
     this.camera.value = mode;
     this.view.look(mode, this.state.selected);
+  }
+
+  /** Looks through the selected robot's camera, or as before. */
+  swapRobotsView(): void {
+    const [mode, before] = [this.camera.value as CameraMode, this.before];
+    this.before = mode;
+    this.look(mode === 'robot' ? before : 'robot');
   }
 
   /** The next camera, for a key. */
