@@ -39,6 +39,8 @@ import { View } from './view/view';
 /** Intervals between two updates of numbers, and of plots, ms. */
 const PANEL_INTERVAL = 100;
 const PLOT_INTERVAL = 250;
+/** Time between two frames, s. */
+const FRAME = 1 / 30;
 /** Moments of the past that a new plot begins with. */
 const PLOT_PAST = 600;
 
@@ -130,6 +132,7 @@ const mission = new Mission(state, {
   enter: enterScenario,
   again: () => find('reset').click(),
   others: () => door.show(),
+  reached: (goals) => view.setReached(goals),
   rival: (robotClass, pose) => view.showRival(robotClass, pose),
 });
 const welcome = new Welcome(
@@ -231,6 +234,9 @@ function showScene(scene: Scene): void {
   // After a lost connection the same world may come again; what comes after a log is another one.
   if (before?.map.name !== scene.map.name || !state.isPresent) pictures.end();
   view.setScene(scene);
+  // The starts of a scenario are its own: its robots have no place elsewhere.
+  const wasPlayed = before?.scenario && state.isPresent && playback.mode === 'live';
+  if (wasPlayed && before.scenario?.name !== scene.scenario?.name) drive.leaveAll();
   drive.updateScene();
   mission.update();
   if (entering !== null && state.isPresent && scene.scenario?.name === entering) {
@@ -363,6 +369,8 @@ const actions: Action[] = [
   { name: 'Keys', key: '?', run: () => showKeys(possible()) },
   { name: 'Pause or resume', key: ' ', shown: 'space', run: press('pause') },
   { name: 'Step 10 ms', key: '.', run: press('step') },
+  { name: 'A frame back, into the past', key: ',', run: () => playback.goTo((state.frame?.time ?? 0) - FRAME) },
+  { name: 'Back to live', key: 'End', run: press('live') },
   { name: 'Spawn a robot', key: 'n', shown: 'N', drives: true, run: openSpawn },
   { name: 'Next camera: orbit, follow, chase, top, robot', key: 'c', shown: 'C', run: () => tools.nextCamera() },
   { name: 'Fit the robot, or the map', key: 'g', shown: 'G', run: press('fit') },

@@ -187,3 +187,16 @@ pageTest('plots show all of a log, with a cursor, and its robots are marked', ro
   await page.waitForSelector('#pause:text-is("Pause")');
   assert.ok((await plotted(page)).length >= times.length);
 });
+
+pageTest('a key goes back by a frame, and another one returns to the present', rough, async ({ page }) => {
+  await waitForPast(page, 1);
+  await page.keyboard.press(',');
+  await page.waitForSelector(BAND);
+  const first = await number(page, '#time');
+  await page.keyboard.press(',');
+  await page.waitForFunction((first) => Number.parseFloat(document.querySelector('#time').textContent) < first, first);
+  const second = await number(page, '#time');
+  assert.ok(first - second > 0.02 && first - second < 0.1, `${first} ${second}`);
+  await page.keyboard.press('End');
+  await page.waitForSelector('#past', { state: 'hidden' });
+});

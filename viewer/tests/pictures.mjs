@@ -52,6 +52,10 @@ async function stop(page, key) {
 const wide = { viewport: { width: 1280, height: 800 }, colorScheme: 'light' };
 const phone = { viewport: { width: 390, height: 780 }, colorScheme: 'light', hasTouch: true, isMobile: true };
 
+await take('door.png', [], { ...wide, door: true }, async (page) => {
+  await page.click('[data-scenario=slalom]');
+  await waitForNumber(page, '#time', (value) => value > 8);
+});
 await take('page.png', ['--map', 'arena'], wide, async (page, server) => {
   await drive(page, 'w', 'P3AT');
   await connectRobots(server.port, 4, 'YouBot');

@@ -5,6 +5,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use scene::goal::Goal;
 use scene::{
     Drawn as DrawnPiece, Geometry, JointKind, MapDef, MountedWheel, Moves, ObjectSnapshot, Pads, Pose, RobotDef,
     SensorDef, Shape, WorldDef,
@@ -75,6 +76,19 @@ page_types! {
         /// Victims to be found; 0 if they do not count.
         victims: usize,
         teams: Vec<Team<'a>>,
+        /// Places of goals that have one; victims are to be found.
+        targets: Vec<Target<'a>>,
+    }
+
+    /// Place of a goal: a box, or a circle on the ground.
+    struct Target<'a> {
+        name: &'a str,
+        /// Middle, m.
+        position: [f64; 3],
+        /// Edges of a box, m; null for a circle.
+        size: Option<[f64; 3]>,
+        /// Radius of a circle, m; null for a box.
+        radius: Option<f64>,
     }
 
     struct Team<'a> {
@@ -372,7 +386,24 @@ fn league<'a>(rules: &'a scene::League, map: &MapDef) -> League<'a> {
         starts: team.starts.iter().map(named).collect(),
         classes: &team.classes,
     };
-    League { victims: rules.victims.map_or(0, |_| map.victims.len()), teams: rules.teams.iter().map(team).collect() }
+    League {
+        victims: rules.victims.map_or(0, |_| map.victims.len()),
+        teams: rules.teams.iter().map(team).collect(),
+        targets: rules.goals.iter().filter_map(target).collect(),
+    }
+}
+
+fn target(goal: &scene::ScoredGoal) -> Option<Target<'_>> {
+    let name = &goal.name;
+    let circle = |[x, y]: [f64; 2], radius| Target { name, position: [x, y, 0.0], size: None, radius: Some(radius) };
+    let middle = |ranges: [[f64; 2]; 2]| ranges.map(|[least, most]| (least + most) / 2.0);
+    match &goal.goal {
+        Goal::Zone(zone) => Some(Target { name, position: zone.position, size: Some(zone.size), radius: None }),
+        Goal::Reach(reach) => Some(circle(reach.point?, reach.tolerance)),
+        Goal::Push(push) => Some(circle(middle(push.target), push.tolerance)),
+        Goal::Fetch(fetch) => Some(circle(middle(fetch.target), fetch.tolerance)),
+        Goal::Follow(_) | Goal::Explore(_) | Goal::Find(_) => None,
+    }
 }
 
 fn scenario<'a>(def: &'a scene::Scenario, league: &'a scene::League, map: &'a MapDef) -> Scenario<'a> {

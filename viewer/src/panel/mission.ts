@@ -14,6 +14,8 @@ interface Wishes {
   again(): void;
   /** Shows the other scenarios. */
   others(): void;
+  /** Marks goals as reached in the view. */
+  reached(goals: string[]): void;
   /** Shows a robot of a class where it was in the best run; null for none. */
   rival(robotClass: string, pose: Pose | null): void;
 }
@@ -30,6 +32,8 @@ export class Mission {
   /** Number of the world whose end has been counted. */
   private counted = -1;
   private line = '';
+  /** Number of goals that are reached. */
+  private reached = 0;
   private run = new Run();
   private best: Run | null = null;
 
@@ -54,6 +58,8 @@ export class Mission {
     const finished = team?.finished ?? null;
     setText(this.clock, clockText(finished ?? scenario.time_limit - timeLeft));
     const reached = new Set(team?.reached ?? []);
+    if (reached.size !== this.reached) this.wishes.reached([...reached]);
+    this.reached = reached.size;
     for (const goal of this.goals.children) {
       goal.classList.toggle('done', reached.has(goal.getAttribute('data-goal') ?? ''));
     }
@@ -86,6 +92,7 @@ export class Mission {
   private build(scenario: Scenario): void {
     this.shown = scenario;
     this.counted = -1;
+    this.reached = 0;
     [this.run, this.best] = [new Run(), Run.best(scenario.name)];
     const goal = (name: string) => make('li', { 'data-goal': name }, name.replaceAll('-', ' '));
     this.goals.replaceChildren(...scenario.goals.map(goal));

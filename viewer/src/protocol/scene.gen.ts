@@ -28,7 +28,25 @@ export type League = {
 /**
  * Victims to be found; 0 if they do not count.
  */
-victims: number, teams: Array<Team>, };
+victims: number, teams: Array<Team>, 
+/**
+ * Places of goals that have one; victims are to be found.
+ */
+targets: Array<Target>, };
+
+export type Target = { name: string, 
+/**
+ * Middle, m.
+ */
+position: [number, number, number], 
+/**
+ * Edges of a box, m; null for a circle.
+ */
+size: [number, number, number] | null, 
+/**
+ * Radius of a circle, m; null for a box.
+ */
+radius: number | null, };
 
 export type Team = { name: string, starts: Array<NamedPlace>, 
 /**

@@ -9,7 +9,7 @@ export interface Manner {
   along?: THREE.Vector3;
 }
 
-export type LabelKind = 'robot' | 'start' | 'node' | 'object' | 'metres';
+export type LabelKind = 'robot' | 'start' | 'node' | 'object' | 'goal' | 'metres';
 
 interface Label {
   element: HTMLElement;
@@ -32,11 +32,12 @@ const RANGE: Record<LabelKind, [number, number]> = {
   start: [7, 11],
   node: [6, 9],
   object: [7, 11],
+  goal: [20, 30],
   metres: [60, 90],
 };
 /** Priority of labels that overlap. */
-const ORDER: Record<LabelKind, number> = { robot: 0, object: 60, start: 80, node: 120, metres: 200 };
-const HEIGHT: Record<LabelKind, number> = { robot: 18, start: 16, node: 16, object: 16, metres: 14 };
+const ORDER: Record<LabelKind, number> = { robot: 0, goal: 40, object: 60, start: 80, node: 120, metres: 200 };
+const HEIGHT: Record<LabelKind, number> = { robot: 18, start: 16, node: 16, object: 16, goal: 16, metres: 14 };
 /** Distance of a robot's name above its place, px. */
 const LEADER = 14;
 /** Distance of a number from its axis, px. */
@@ -48,7 +49,14 @@ const LOOKS = 8;
 export class Labels {
   private readonly labels = new Map<string, Label>();
   private size = { width: 1, height: 1 };
-  readonly layers: Record<LabelKind, boolean> = { robot: true, start: true, node: true, object: true, metres: true };
+  readonly layers: Record<LabelKind, boolean> = {
+    robot: true,
+    start: true,
+    node: true,
+    object: true,
+    goal: true,
+    metres: true,
+  };
   /** The label of a robot that is always shown first. */
   first: string | null = null;
   /** True if some have not yet been looked for behind walls and robots. */

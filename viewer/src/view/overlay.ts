@@ -12,10 +12,10 @@ import { PointCloud } from './points';
 import { setPose } from './pose';
 import { Rays, coneGeometry, fanGeometry } from './rays';
 
-export const LAYERS = ['paths', 'points', 'rays', 'forces', 'frames', 'names', 'grid'] as const;
+export const LAYERS = ['paths', 'points', 'rays', 'forces', 'frames', 'names', 'goals', 'grid'] as const;
 export type Layer = (typeof LAYERS)[number];
 /** Layers that are shown by default. */
-export const FIRST_LAYERS: readonly Layer[] = ['paths', 'points', 'names', 'grid'];
+export const FIRST_LAYERS: readonly Layer[] = ['paths', 'points', 'names', 'goals', 'grid'];
 
 /** Length of the axes of a robot's and of a sensor's frame, m. */
 const ROBOT_AXES = 0.3;
@@ -33,7 +33,7 @@ const NOTHING = 0.9995;
 const PATH_HEIGHT = 0.008;
 
 type ClassOf = (robot: number) => RobotClass | null;
-type OwnLayer = Exclude<Layer, 'grid' | 'names'>;
+type OwnLayer = Exclude<Layer, 'grid' | 'names' | 'goals'>;
 
 export class Overlay {
   readonly group = new THREE.Group();

@@ -1,4 +1,4 @@
-/** Texts of the labels: names of robots, starts, nodes and objects, and metres along the axes. */
+/** Texts of the labels: names of robots, starts, nodes, goals and objects, and metres along the axes. */
 
 import * as THREE from 'three';
 import { startsOf } from '../offer';
@@ -21,6 +21,9 @@ const NEAR = 0.15;
 export function labelMap(labels: Labels, scene: Scene): void {
   for (const { label, position } of startsOf(scene)) labels.set(`start ${label}`, 'start', label, onStage(position));
   for (const { name, position } of scene.map.path_nodes) labels.set(`node ${name}`, 'node', name, onStage(position));
+  for (const { name, position } of scene.league?.targets ?? []) {
+    labels.set(`goal ${name}`, 'goal', name.replaceAll('-', ' '), onStage(position));
+  }
 }
 
 /** Starts on which no robot stands. */

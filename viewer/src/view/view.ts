@@ -17,6 +17,7 @@ import { Robots, type Roster } from './robots';
 import { labelMap, labelMetres, labelObjects, labelRobots, labelStarts } from './signs';
 import { Stage } from './stage';
 import { Still } from './still';
+import { Targets } from './targets';
 import { frameRate } from './stopwatch';
 
 export { CAMERAS, type CameraMode } from './cameras';
@@ -42,6 +43,7 @@ interface World {
   map: MapView;
   robots: Robots;
   overlay: Overlay;
+  targets: Targets;
 }
 
 export class View {
@@ -107,6 +109,7 @@ export class View {
   setScene(scene: Scene): void {
     this.world?.map.dispose();
     this.world?.overlay.dispose();
+    this.world?.targets.dispose();
     this.world?.robots.dispose();
     this.outline.clear();
     this.ghost.clear();
@@ -120,11 +123,12 @@ export class View {
       map,
       robots: new Robots(scene, this.stage.surfaces, this.roster, this.colours),
       overlay: new Overlay(this.colours),
+      targets: new Targets(scene),
     };
     if (this.world) world.robots.selected = this.world.robots.selected;
     this.world = world;
     world.overlay.select(world.robots.selected);
-    const apart = [this.outline.group, this.ghost.group, this.rival.group];
+    const apart = [world.targets.group, this.outline.group, this.ghost.group, this.rival.group];
     this.stage.world.add(map.group, world.robots.group, world.overlay.group, ...apart);
     labelMap(this.labels, scene);
     labelObjects(this.labels, objectsOf(scene), this.catalogue);
@@ -173,7 +177,16 @@ export class View {
       this.labels.layers.metres = shown;
     } else if (layer === 'names') {
       Object.assign(this.labels.layers, { robot: shown, start: shown, node: shown, object: shown });
+    } else if (layer === 'goals') {
+      this.labels.layers.goal = shown;
+      if (this.world) this.world.targets.group.visible = shown;
     } else this.world?.overlay.show(layer, shown);
+    this.stir();
+  }
+
+  /** Marks goals as reached, by their names. */
+  setReached(goals: readonly string[]): void {
+    this.world?.targets.setReached(goals);
     this.stir();
   }
 
@@ -488,9 +501,16 @@ export class View {
   }
 
   private bodiless(): THREE.Object3D[] {
-    const { map, robots, overlay } = this.world ?? {};
+    const { map, robots, overlay, targets } = this.world ?? {};
     const decals = [...(map?.decals ?? []), ...(robots ? [robots.decal] : []), ...(map ? [map.starts] : [])];
-    return [...decals, ...(overlay ? [overlay.group] : []), this.outline.group, this.ghost.group, this.rival.group];
+    return [
+      ...decals,
+      ...(overlay ? [overlay.group] : []),
+      ...(targets ? [targets.group] : []),
+      this.outline.group,
+      this.ghost.group,
+      this.rival.group,
+    ];
   }
 }
 
