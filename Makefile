@@ -21,6 +21,7 @@ view: target/page/index.html
 
 target/page/index.html: viewer/node_modules/.package-lock.json $(page_sources)
 	cd viewer && $(npm) run build -- --outDir ../target/page
+	cp viewer/node_modules/@fontsource-variable/inter/LICENSE target/page/assets/inter-licence.txt
 
 # Everything that is tested, the page in a real browser (chromium) too.
 test: view

@@ -64,6 +64,8 @@ export class Playback {
   rate = 1;
   private readonly history = new History();
   private player: Player | null = null;
+  /** Number of times that a log was opened, or left. */
+  private opening = 0;
   private name = '';
   private readonly presentMarks = new Marks();
   private readonly logMarks = new Marks();
@@ -219,6 +221,7 @@ export class Playback {
   }
 
   goLive(): void {
+    this.opening++;
     const wasLog = this.mode === 'log';
     this.leavePast();
     this.player?.close();
@@ -235,8 +238,11 @@ export class Playback {
 
   /** Plays a log in place of the server's world, which goes on unseen. */
   async open(file: File): Promise<void> {
+    const turn = ++this.opening;
     try {
       const log = await LogFile.open(file, this.askScene);
+      // Meanwhile somebody has opened another one, or returned to the present.
+      if (turn !== this.opening) return;
       this.leavePast();
       this.player?.close();
       this.samples = [];

@@ -42,6 +42,19 @@ for (const colorScheme of ['light', 'dark']) {
     },
   );
   pageTest(
+    `nothing is found on the first screen in ${colorScheme} colours`,
+    { page: { colorScheme, door: true } },
+    async ({ page }) => {
+      await page.waitForSelector('#door:not([hidden])');
+      const found = await findings(page, 'cards');
+      await page.click('#door-start');
+      await page.waitForSelector('#mission:not([hidden])');
+      await page.waitForSelector('[data-robot]', { state: 'attached' });
+      found.push(...(await findings(page, 'scenario')));
+      assert.deepEqual(found, []);
+    },
+  );
+  pageTest(
     `nothing is found on a phone in ${colorScheme} colours`,
     { page: { ...PHONE, colorScheme } },
     async ({ page }) => {

@@ -5,7 +5,7 @@ import { mkdirSync, mkdtempSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { pageTest } from './pagetest.mjs';
-import { connectClient, number, until } from './server.mjs';
+import { connectClient, number, until, waitForNumber } from './server.mjs';
 
 const door = { door: true };
 const isOpen = (page) => page.evaluate(() => document.documentElement.dataset.door === 'open');
@@ -82,6 +82,7 @@ pageTest(
   'a controller that comes finds the world, and the cards go',
   { serve, page: door },
   async ({ page, server }) => {
+    // It comes while the demo is fetched, opened or shown.
     await page.waitForSelector('#door:not([hidden])');
     const client = await connectClient(server.port, 'INIT {ClassName USARBot.P3AT} {Name Ann} {Location 1,1,0}');
     await page.waitForFunction(() => document.documentElement.dataset.door === undefined);
@@ -116,3 +117,23 @@ pageTest(
     assert.equal(await page.locator('#mission [data-goal]').count(), 4);
   },
 );
+
+pageTest('a scenario that is begun while its demo is on its way is shown', { serve, page: door }, async ({ page }) => {
+  // The scene of the demo's log comes after the scenario has begun.
+  let began;
+  const hasBegun = new Promise((resolve) => (began = resolve));
+  await page.route('**/scene.json', async (route) => {
+    if (route.request().method() === 'POST') await hasBegun;
+    await route.continue();
+  });
+  const asked = page.waitForRequest((request) => request.method() === 'POST' && request.url().includes('scene.json'));
+  await page.hover('[data-scenario=goal]');
+  await asked;
+  await page.click('[data-scenario=ahead]');
+  await page.click('#door-start');
+  await page.waitForSelector('[data-robot]', { state: 'attached' });
+  began();
+  await page.waitForSelector('#mission li[data-goal=a-metre-ahead]');
+  await waitForNumber(page, '#mission-time', (value) => value >= 0);
+  assert.equal(await page.isVisible('#past'), false);
+});

@@ -37,7 +37,7 @@ export class Door {
   private isOpen = false;
   /** True once somebody has left it in this tab. */
   private wasLeft = sessionStorage.getItem(LEFT) !== null;
-  /** True while the log that is shown is a demo of this screen. */
+  /** True while a demo of this screen is opened or shown. */
   private isPreview = false;
   private robots = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -93,10 +93,15 @@ export class Door {
     const isIdle = this.robots === 0 && !isWatched && scene !== null;
     // Somebody has come, by a controller or from another page.
     if (this.isOpen && this.robots > 0) return this.close();
-    if (this.isPreview && this.playback.mode !== 'log') this.isPreview = false;
     const isFirst = !this.wasLeft && this.playback.mode === 'live' && scene?.league === null;
     if (!this.isOpen && isFirst && isIdle && this.scenarios.length > 0) this.show();
-    if (this.isOpen && this.isPreview && this.playback.isPaused) this.repeat();
+    if (this.hasEnded) this.repeat();
+  }
+
+  /** True if a demo of this screen has been played to its end. */
+  private get hasEnded(): boolean {
+    const { mode, isPaused } = this.playback;
+    return this.isOpen && this.isPreview && mode === 'log' && isPaused;
   }
 
   /** Shows the scenarios, whatever is in the world. */
@@ -175,7 +180,7 @@ export class Door {
   private repeat(): void {
     clearTimeout(this.timer);
     this.timer = setTimeout(() => {
-      if (this.isOpen && this.isPreview && this.playback.isPaused) this.playback.playOrPause();
+      if (this.hasEnded) this.playback.playOrPause();
     }, PAUSE);
   }
 
@@ -193,7 +198,7 @@ export class Door {
     const best = bestTime(card.name);
     const button = make(
       'button',
-      { class: 'card', 'data-scenario': card.name, 'aria-pressed': 'false' },
+      { class: 'scenario', 'data-scenario': card.name, 'aria-pressed': 'false' },
       ...(card.picture ? [make('img', { src: `scenario/${card.name}/picture.jpg`, alt: '', loading: 'lazy' })] : []),
       make('strong', {}, card.title),
       make('small', {}, best === null ? '☆☆☆' : starText(starsFor(card, best))),
