@@ -717,7 +717,7 @@ fn serve_has_a_short_help_and_a_long_one_with_headings() {
     let help = |option: &str| text(&run(&["serve", option]).stdout);
     let (short, long) = (help("-h"), help("--help"));
     let options = |help: &str| help.lines().filter(|line| line.trim_start().starts_with("--")).count();
-    assert!(options(&short) == 11 && options(&long) > 30, "{short}");
+    assert!(options(&short) == 12 && options(&long) > 30, "{short}");
     let headings = ["World:", "Robots:", "Page:", "Ports:", "ROS 2:", "Time:", "Log:", "Access:"];
     let places: Vec<_> = headings.iter().map(|heading| long.find(&format!("\n{heading}\n"))).collect();
     assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{places:?}: {long}");
