@@ -65,6 +65,13 @@ pageTest('a scenario is begun, driven to its goal, and its best run kept', { ser
   await page.waitForSelector('#mission:not(.finished)');
   await page.waitForFunction(() => document.querySelector('#mission .result').textContent.includes('Your best is'));
   await page.waitForSelector('[data-robot]', { state: 'attached' });
+  // The cards stay open over a world with robots, which drives on.
+  await page.click('#mission-others');
+  await page.waitForFunction(() => Number.parseFloat(document.querySelector('#time').textContent) > 1);
+  await page.waitForTimeout(500);
+  assert.equal(await isOpen(page), true);
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('#mission:not([hidden])');
 });
 
 pageTest('watching a scenario done plays its demo as a log', { serve, page: door }, async ({ page }) => {
@@ -137,3 +144,15 @@ pageTest('a scenario that is begun while its demo is on its way is shown', { ser
   await waitForNumber(page, '#mission-time', (value) => value >= 0);
   assert.equal(await page.isVisible('#past'), false);
 });
+
+pageTest(
+  'a run of somebody else is no best of this browser',
+  { serve: [...serve, '--scenario', `${serve[1]}/ahead`], page: door },
+  async ({ page, server }) => {
+    const client = await connectClient(server.port, 'INIT {ClassName USARBot.P3AT}', 'DRIVE {Left 5} {Right 5}');
+    await page.waitForSelector('#mission.finished');
+    assert.match(await page.textContent('#mission .result'), /^★★★ in 0:\d\d\.\d\.$/);
+    assert.equal(await page.evaluate(() => localStorage['usarsim.best.ahead']), undefined);
+    client.end();
+  },
+);

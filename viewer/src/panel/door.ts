@@ -39,7 +39,9 @@ export class Door {
   private wasLeft = sessionStorage.getItem(LEFT) !== null;
   /** True while a demo of this screen is opened or shown. */
   private isPreview = false;
+  /** Robots of the server's world, now and at the last look. */
   private robots = 0;
+  private robotsBefore = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private readonly demos = new Map<string, Promise<File>>();
 
@@ -92,7 +94,8 @@ export class Door {
     find('scenarios').hidden = this.scenarios.length === 0 || isWatched || isContest;
     const isIdle = this.robots === 0 && !isWatched && scene !== null;
     // Somebody has come, by a controller or from another page.
-    if (this.isOpen && this.robots > 0) return this.close();
+    if (this.isOpen && this.robots > this.robotsBefore) return this.close();
+    this.robotsBefore = this.robots;
     const isFirst = !this.wasLeft && this.playback.mode === 'live' && scene?.league === null;
     if (!this.isOpen && isFirst && isIdle && this.scenarios.length > 0) this.show();
     if (this.hasEnded) this.repeat();
@@ -107,7 +110,7 @@ export class Door {
   /** Shows the scenarios, whatever is in the world. */
   show(): void {
     const [first] = this.scenarios;
-    if (!first || this.isOpen) return;
+    if (!first || this.isOpen || find('scenarios').hidden) return;
     this.isOpen = true;
     this.element.hidden = false;
     document.documentElement.dataset.door = 'open';

@@ -68,9 +68,7 @@ export class Mission {
     this.again.classList.toggle('main', finished !== null || status.league?.is_over === true);
     if (finished !== null && this.counted !== status.resets) {
       this.counted = status.resets;
-      const isBest = keepBest(scenario.name, finished, this.run);
-      const best = isBest ? 'Your best.' : `Your best is ${clockText(bestTime(scenario.name) ?? finished)}.`;
-      this.line = `${starText(starsFor(scenario, finished))} in ${clockText(finished)}. ${best}`;
+      this.line = `${starText(starsFor(scenario, finished))} in ${clockText(finished)}.${this.keep(scenario, finished)}`;
     }
     setText(this.result, finished !== null ? this.line : status.league?.is_over ? 'The time is up.' : ready(scenario));
     this.element.classList.toggle('finished', finished !== null);
@@ -87,6 +85,13 @@ export class Mission {
     this.run.take(frame.time, pose);
     if (this.run.seconds < before) this.best = Run.best(this.shown?.name ?? '');
     this.wishes.rival(first.class, this.best?.at(this.run.seconds) ?? null);
+  }
+
+  /** Keeps the time of a run that was driven from here, and returns how it is among those. */
+  private keep({ name }: Scenario, seconds: number): string {
+    if (!this.state.status?.robots.some((robot) => this.state.isOwn(robot))) return '';
+    const isBest = keepBest(name, seconds, this.run);
+    return isBest ? ' Your best.' : ` Your best is ${clockText(bestTime(name) ?? seconds)}.`;
   }
 
   private build(scenario: Scenario): void {
