@@ -6,8 +6,7 @@ use sessions::{News, Request, Sessions};
 use sim_core::{Options, World};
 
 fn scene(setting: Setting) -> WorldDef {
-    let def = scene_loader::load("smooth", &[]).expect("a scene");
-    let def = WorldDef { map: setting.map, league: setting.league, scenario: setting.scenario, ..def };
+    let def = scene_loader::load("smooth", &[]).expect("a scene").on(setting);
     def.check().expect("a good scene");
     def
 }

@@ -1,6 +1,6 @@
 //! Demos of scenarios: lines with the times at which clients sent them, played again in a fresh world.
 //!
-//! The same lines at the same steps give the same bits, so a demo is a text of some lines, and its log is made where it is wanted.
+//! Equal lines at equal steps give equal bits. So a demo is a text of some lines, and its log is made where it is wanted.
 
 use std::collections::BTreeSet;
 use std::path::Path;

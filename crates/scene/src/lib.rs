@@ -167,6 +167,12 @@ impl WorldDef {
         self.league.is_some() && self.scenario.is_none()
     }
 
+    /// Returns the scene in another setting, with the same classes.
+    #[must_use]
+    pub fn on(self, Setting { map, league, scenario }: Setting) -> Self {
+        Self { map, league, scenario, ..self }
+    }
+
     /// Finds a sensor of a class by its name on the wire.
     pub fn sensor(&self, class: &str, name: &str) -> Option<&SensorDef> {
         self.robots.get(class)?.sensors.iter().find(|sensor| sensor.name == name)

@@ -40,16 +40,11 @@ impl CompiledScene {
     /// Returns the scene on another map, with what is played there. Both share the classes that are compiled.
     #[must_use]
     pub fn on(&self, setting: impl Into<Setting>) -> Self {
-        let Setting { map, league, scenario } = setting.into();
+        let setting = setting.into();
         let Parts { def, materials, robots, .. } = &*self.0;
         let (mut materials, robots) = (materials.clone(), robots.clone());
-        let compiled = CompiledMap::new(&map, &mut materials);
-        Self(Arc::new(Parts {
-            def: WorldDef { map, league, scenario, ..def.clone() },
-            map: compiled,
-            materials,
-            robots,
-        }))
+        let compiled = CompiledMap::new(&setting.map, &mut materials);
+        Self(Arc::new(Parts { def: def.clone().on(setting), map: compiled, materials, robots }))
     }
 
     /// Returns the definition that it was compiled from.

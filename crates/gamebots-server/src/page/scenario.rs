@@ -4,7 +4,7 @@
 use axum::body::Bytes;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use scene::{MapDef, WorldDef};
+use scene::{Setting, WorldDef};
 use tokio::sync::Semaphore;
 use tokio::task::spawn_blocking;
 
@@ -22,8 +22,7 @@ pub(crate) struct ScenarioPages {
 
 impl ScenarioPages {
     pub(crate) fn new(scenarios: Scenarios, world: &WorldDef) -> Self {
-        let world = WorldDef { map: MapDef::default(), league: None, scenario: None, ..world.clone() };
-        Self { scenarios, world, turn: Semaphore::new(1) }
+        Self { scenarios, world: world.clone().on(Setting::default()), turn: Semaphore::new(1) }
     }
 
     /// Answers with the cards of all scenarios.
@@ -57,8 +56,7 @@ impl ScenarioPages {
 }
 
 fn play(scenario: &AvailableScenario, world: WorldDef, lines: &str) -> Result<Bytes, String> {
-    let setting = (scenario.read)()?;
-    let world = WorldDef { map: setting.map, league: setting.league, scenario: setting.scenario, ..world };
+    let world = world.on((scenario.read)()?);
     world.check().map_err(|problem| problem.to_string())?;
     let file = tempfile::NamedTempFile::new().map_err(|error| error.to_string())?;
     logbook::write_demo(world, lines, file.path()).map_err(|error| error.to_string())?;
