@@ -168,12 +168,7 @@ impl Round {
         if time >= self.next_look - SAME_TIME {
             self.next_look = time + LOOK_INTERVAL;
             self.look(world, &mut scores);
-        }
-        for (number, team) in self.teams.iter_mut().enumerate() {
-            let reached = self.reached.range((number, 0)..(number + 1, 0)).count();
-            if team.finished.is_none() && !self.goals.is_empty() && reached == self.goals.len() {
-                team.finished = Some(time - began);
-            }
+            self.finish(time - began);
         }
         // When all have finished, nothing is left to stop for.
         let is_played = self.teams.iter().any(|team| team.finished.is_none());
@@ -226,6 +221,14 @@ impl Round {
                     scores.extend(count(&mut teams[place.team], world, robot, reason(goal), goal.points));
                 }
             }
+        }
+    }
+
+    /// Keeps the time since the first robot's arrival, s, for teams that have reached all goals by now.
+    fn finish(&mut self, since: f64) {
+        for (number, team) in self.teams.iter_mut().enumerate().filter(|(_, team)| team.finished.is_none()) {
+            let reached = self.reached.range((number, 0)..(number + 1, 0)).count();
+            team.finished = (!self.goals.is_empty() && reached == self.goals.len()).then_some(since);
         }
     }
 
