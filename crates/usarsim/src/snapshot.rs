@@ -8,7 +8,7 @@ use indicatif::ProgressBar;
 use logbook::Demo;
 use nalgebra::Vector3;
 use picture::{Camera, Image, Stage};
-use scene::{DriveModel, Viewpoint};
+use scene::{DriveModel, MapDef, Scenario, Viewpoint};
 use scene_loader::{Changes, Equipment, LoadError, Override};
 use sim_core::{Options, World};
 
@@ -166,13 +166,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let given = [Some(&arguments.map), arguments.robot.as_ref()];
     let inputs: Vec<PathBuf> = given.into_iter().flatten().flat_map(|given| definition_files(given)).collect();
     keep_inputs(&arguments.out, &inputs)?;
-    let (mut moving, camera) = match &arguments.scenario {
-        Some(name) => demo(name, arguments.size),
+    let moving = match &arguments.scenario {
+        Some(name) => demo(name),
         None => scene(arguments),
-    }
-    .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
+    };
+    let mut moving = moving.map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
     let [width, height] = arguments.size;
     let stage = Stage::new(moving.world().def());
+    let camera = match &moving.world().def().scenario {
+        Some(scenario) => camera_of(scenario, &moving.world().def().map, arguments.size),
+        None => camera(&stage, moving.world(), arguments),
+    };
     if arguments.scenario.is_some() {
         moving.run_to(arguments.seconds).map_err(|error| Failure::new(exit::BAD_DATA, error))?;
     }
@@ -188,8 +192,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns a map, with a robot that has driven for a time if one is wanted, and the camera.
-fn scene(arguments: &Arguments) -> Result<(Moving, Camera), String> {
+/// Returns a map, with a robot that has driven for a time if one is wanted.
+fn scene(arguments: &Arguments) -> Result<Moving, String> {
     let is_file = |robot: &str| {
         let is_built_in = |class: &String| class.eq_ignore_ascii_case(robot);
         Path::new(robot).exists() && !scene_loader::robot_names().iter().any(is_built_in)
@@ -205,13 +209,11 @@ fn scene(arguments: &Arguments) -> Result<(Moving, Camera), String> {
         let class = scene_loader::robot(robot, &[]).map_err(|error| error.to_string())?.class;
         place(&mut world, &class, arguments)?;
     }
-    let camera = camera(&world, arguments);
-    Ok((Moving::Alone(Box::new(world)), camera))
+    Ok(Moving::Alone(Box::new(world)))
 }
 
 /// Returns the camera that the options ask for.
-fn camera(world: &World, arguments: &Arguments) -> Camera {
-    let stage = Stage::new(world.def());
+fn camera(stage: &Stage, world: &World, arguments: &Arguments) -> Camera {
     let snapshot = world.snapshot();
     let robot = snapshot.robots.first();
     let ahead = robot.map_or_else(Vector3::x, |robot| robot.body.pose.rotation * Vector3::x());
@@ -231,27 +233,27 @@ fn camera(world: &World, arguments: &Arguments) -> Camera {
     Camera { eye: fitted.target + direction * distance, ..fitted }
 }
 
-/// Returns the demo of a scenario, and the camera of the scenario, or one for its whole map.
-fn demo(name: &str, size: [usize; 2]) -> Result<(Moving, Camera), String> {
-    let text = |error: LoadError| error.to_string();
-    let setting = scene_loader::scenario(name).map_err(text)?;
-    let listed = scene_loader::listed_scenarios(&[name.to_owned()]).map_err(text)?;
-    let lines = listed.into_iter().next().and_then(|listed| listed.demo).unwrap_or_default();
-    let camera = setting.scenario.as_ref().and_then(|scenario| scenario.camera);
-    let changes = Changes { overrides: &[], equipment: &Equipment::default() };
-    let def = scene_loader::load_around(setting, &[], changes).map_err(text)?;
-    let whole = || {
-        let corners = picture::corners_of_map(&def.map);
-        Camera::fitting(&corners, -View::Corner.direction(), FIELD_OF_VIEW, size)
-    };
-    let camera = camera.map_or_else(whole, |Viewpoint { from, at }| Camera {
+/// Returns the camera of a scenario, or one for its whole map.
+fn camera_of(scenario: &Scenario, map: &MapDef, size: [usize; 2]) -> Camera {
+    let whole = || Camera::fitting(&picture::corners_of_map(map), -View::Corner.direction(), FIELD_OF_VIEW, size);
+    scenario.camera.map_or_else(whole, |Viewpoint { from, at }| Camera {
         eye: from.into(),
         target: at.into(),
         down: Vector3::z(),
         field_of_view: PAGE_FIELD_OF_VIEW,
-    });
+    })
+}
+
+/// Returns the demo of a scenario.
+fn demo(name: &str) -> Result<Moving, String> {
+    let text = |error: LoadError| error.to_string();
+    let setting = scene_loader::scenario(name).map_err(text)?;
+    let listed = scene_loader::listed_scenarios(&[name.to_owned()]).map_err(text)?;
+    let lines = listed.into_iter().next().and_then(|listed| listed.demo).unwrap_or_default();
+    let changes = Changes { overrides: &[], equipment: &Equipment::default() };
+    let def = scene_loader::load_around(setting, &[], changes).map_err(text)?;
     let demo = Demo::new(def, &lines, None).map_err(|error| format!("{name}: {error}"))?;
-    Ok((Moving::Demo(Box::new(demo)), camera))
+    Ok(Moving::Demo(Box::new(demo)))
 }
 
 /// Draws frames of the world from now on.
