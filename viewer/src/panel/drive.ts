@@ -71,7 +71,7 @@ export class DrivePanel {
     this.form = new SpawnForm(
       state,
       place,
-      (spawn) => this.connect(spawn),
+      (spawn) => this.spawn(spawn),
       (robotClass) => void classOf(robotClass),
     );
     const stop = make('button', { type: 'button', id: 'stop' }, 'Stop');
@@ -152,11 +152,6 @@ export class DrivePanel {
     this.form.focus();
   }
 
-  /** Spawns a robot as it is said, whatever the form offers. */
-  spawn(spawn: Spawn): void {
-    this.connect(spawn);
-  }
-
   /** Takes all own robots away. */
   leaveAll(): void {
     [...this.robots].forEach((own) => this.forget(own));
@@ -187,10 +182,11 @@ export class DrivePanel {
     if (this.state.scene?.league) return this.say('In a league a robot enters at a start of its team');
     const { robotClass, name } = own.client.spawn;
     this.forget(own);
-    this.connect({ robotClass, name, place: { location, yaw }, team: null });
+    this.spawn({ robotClass, name, place: { location, yaw }, team: null });
   }
 
-  private connect(spawn: Spawn): void {
+  /** Spawns a robot as it is said, whatever the form offers. */
+  spawn(spawn: Spawn): void {
     const { robotClass: name } = spawn;
     const known = this.state.scene?.classes[name];
     // Keys that are pressed from now on drive the robot, so a class that is there is not waited for.

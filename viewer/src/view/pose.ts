@@ -1,5 +1,5 @@
 import * as THREE from 'three';
-import type { Pose } from '../protocol/scene';
+import type { Pose, Vector } from '../protocol/scene';
 
 const ONE = new THREE.Vector3(1, 1, 1);
 const place = new THREE.Vector3();
@@ -12,4 +12,9 @@ export function setPose(matrix: THREE.Matrix4, [x, y, z, i, j, k, w]: Pose): THR
 export function moveTo(object: THREE.Object3D, [x, y, z, i, j, k, w]: Pose): void {
   object.position.set(x, y, z);
   object.quaternion.set(i, j, k, w);
+}
+
+/** Returns a place of the wire's frame on the stage, where z is up. */
+export function onStage([x, y, z]: Vector): THREE.Vector3 {
+  return new THREE.Vector3(x, -y, -z);
 }

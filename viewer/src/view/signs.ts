@@ -6,6 +6,7 @@ import type { ObjectState } from '../protocol/frame';
 import type { Scene } from '../protocol/scene';
 import type { Labels } from './labels';
 import type { Catalogue } from './map';
+import { onStage } from './pose';
 import type { Robots } from './robots';
 
 /** Metres between two labels on an axis that can be chosen, and the least that is between them on the screen, px. */
@@ -85,8 +86,4 @@ export function labelMetres(
 function multiples(step: number, least: number, most: number): number[] {
   const first = Math.ceil(least / step);
   return Array.from({ length: Math.max(0, Math.floor(most / step) - first + 1) }, (_, index) => (first + index) * step);
-}
-
-function onStage([x, y, z]: [number, number, number]): THREE.Vector3 {
-  return new THREE.Vector3(x, -y, -z);
 }

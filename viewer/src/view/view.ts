@@ -12,6 +12,7 @@ import { type Catalogue, MapView, objectsOf } from './map';
 import { moved } from './moved';
 import { Outline } from './outline';
 import { type Layer, Overlay, mountOf } from './overlay';
+import { onStage } from './pose';
 import type { Quality } from './quality';
 import { Robots, type Roster } from './robots';
 import { labelMap, labelMetres, labelObjects, labelRobots, labelStarts } from './signs';
@@ -512,9 +513,4 @@ export class View {
       this.rival.group,
     ];
   }
-}
-
-/** A place of the wire's frame on the stage, where z is up. */
-function onStage([x, y, z]: Vector): THREE.Vector3 {
-  return new THREE.Vector3(x, -y, -z);
 }
