@@ -1,6 +1,7 @@
 /** The page: what comes from the server goes to the state, the picture and the panels; commands go back. */
 
 import './style.css';
+import './icons.css';
 import { type Action, listenToKeys } from './actions';
 import { Board } from './panel/board';
 import { showCommands, showKeys } from './panel/commands';
@@ -194,11 +195,11 @@ new Opening(transport, {
   map: (name) => void changeMap(state, live, name),
   groundAt: (x, y) => view.groundAt(x, y),
   say,
-  refused: () => (state.isWatched ? 'this page shows the world of another program' : live.refused),
+  refused: whyRefused,
 });
 const door = new Door(state, playback, transport, {
   start: (name) => void startScenario(name),
-  refused: () => (state.isWatched ? 'this page shows the world of another program' : live.refused),
+  refused: whyRefused,
   openLog: () => find('log-file').click(),
   say,
 });
@@ -248,6 +249,11 @@ function showScene(scene: Scene): void {
   // A log that is opened or closed changes no map.
   const isPresent = state.isPresent && playback.mode === 'live';
   if (isPresent && before && before.map.name !== scene.map.name) say(`The map is now ${scene.map.name}`);
+}
+
+/** The reason why this page may not change what is in the world. */
+function whyRefused(): string | null {
+  return state.isWatched ? 'this page shows the world of another program' : live.refused;
 }
 
 /** Name of the scenario whose robots come with its scene. */

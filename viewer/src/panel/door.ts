@@ -7,6 +7,7 @@ import type { Status } from '../protocol/live';
 import type { Transport } from '../protocol/transport';
 import type { State } from '../state';
 import { find, make } from './dom';
+import './scenarios.css';
 
 /** Time for which a card has to be chosen before its demo is fetched, ms. Each is work for the server. */
 const PATIENCE = 400;
