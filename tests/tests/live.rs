@@ -5,10 +5,11 @@
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use gamebots_server::viewer_messages::{self, message::Content};
-use gamebots_server::{AvailableMap, Config, Listener, Service, WorldControl};
+use gamebots_server::{AvailableMap, AvailableScenario, Config, Listener, Service, WorldControl};
 use prost::Message as _;
 use recorder::Record;
 use serde_json::Value;
@@ -241,6 +242,34 @@ fn a_viewer_changes_the_map_and_everyone_is_told_who_did() {
     assert!((f64::from(frame.robots[0].1[0]) - start.position[0]).abs() < 0.05, "{frame:?}");
     peer.send("GETSTARTPOSES");
     assert!(peer.reply().contains("RobotStart1"));
+}
+
+/// A scenario has solids of its own on a map of the same name, and begins anew when it is asked for again.
+#[test]
+fn a_scenario_is_another_scene_on_a_map_of_the_same_name_and_a_reset_is_not() {
+    let mut setting = scene::Setting::from(scene_loader::map("rough", &[]).unwrap());
+    setting.map.description = "of a scenario".to_owned();
+    let available = AvailableScenario {
+        card: scene::ScenarioCard { name: "walk".to_owned(), ..scene::ScenarioCard::default() },
+        picture: None,
+        read: Arc::new(move || Ok(setting.clone())),
+        demo: None,
+    };
+    let server = serve("rough", |config| config.scenarios = vec![available].into());
+    let mut viewer = Viewer::open(&server, "/live");
+    let mut status = viewer.status("the first one", |_| true);
+    viewer.send("{\"scenario\":\"run\"}");
+    viewer.said("no scenario `run`: expected walk");
+    for _ in 0..2 {
+        viewer.send("{\"scenario\":\"walk\"}");
+        assert_eq!(viewer.said("began"), "page 1 (127.0.0.1) began the scenario walk");
+        status = viewer.status("another scene", |after| after["scene"] != status["scene"]);
+    }
+    let (_, scene) = get(&server, "/scene.json", "Host: localhost\r\n");
+    assert!(scene.contains("of a scenario"), "{scene}");
+    viewer.send("\"reset\"");
+    let after = viewer.status("a reset", |after| after["resets"] != status["resets"]);
+    assert_eq!(after["scene"], status["scene"]);
 }
 
 #[test]

@@ -240,10 +240,7 @@ function showScene(scene: Scene): void {
   if (wasPlayed && before.scenario?.name !== scene.scenario?.name) drive.leaveAll();
   drive.updateScene();
   mission.update();
-  if (entering !== null && state.isPresent && scene.scenario?.name === entering) {
-    entering = null;
-    enterScenario();
-  }
+  if (entering && state.isPresent && scene.scenario?.name === entering.name) entering.isHere = true;
   document.documentElement.toggleAttribute('data-watched', state.isWatched);
   setText(find('map'), scene.map.name);
   // A log that is opened or closed changes no map.
@@ -256,14 +253,14 @@ function whyRefused(): string | null {
   return state.isWatched ? 'this page shows the world of another program' : live.refused;
 }
 
-/** Name of the scenario whose robots come with its scene. */
-let entering: string | null = null;
+/** The scenario whose robots come with the first status of its world: it says which robots are there already. */
+let entering: { name: string; isHere: boolean } | null = null;
 
 /** Begins a scenario anew, with its robots driven from this page. */
 async function startScenario(name: string): Promise<void> {
   const what = 'leave, or start again where the scenario has a place for them';
   if (!(await othersAgree(state, 'Begin a scenario?', what, 'Begin'))) return;
-  entering = name;
+  entering = { name, isHere: false };
   drive.leaveAll();
   live.control({ scenario: name });
 }
@@ -289,6 +286,9 @@ function showStatus(status: Status): void {
   board.update();
   mission.update();
   welcome.update();
+  if (!entering?.isHere) return;
+  entering = null;
+  enterScenario();
 }
 
 function showFrame(frame: Frame): void {

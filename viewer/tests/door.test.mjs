@@ -156,3 +156,23 @@ pageTest(
     client.end();
   },
 );
+
+pageTest('scenarios of one map follow each other, and one begins again', { page: door }, async ({ page }) => {
+  // The server's own map is the hall, as those of these scenarios are.
+  for (const [name, title, robot] of [
+    ['cube', 'Pick the cube', 'YouBotArm'],
+    ['survey', 'Map the hall', 'P3AT'],
+    ['survey', 'Map the hall', 'P3AT'],
+  ]) {
+    await page.waitForSelector('#scenarios:not([hidden])');
+    if (!(await isOpen(page))) await page.click('#scenarios');
+    await page.click(`[data-scenario=${name}]`);
+    await page.click('#door-start');
+    await page.waitForSelector(`#mission:not([hidden]) h2:text-is("${title}")`);
+    await page.waitForSelector(`[data-robot] span:text-is("${robot}")`, { state: 'attached' });
+    await waitForNumber(page, '#mission-time', (value) => value >= 0);
+    // It is this page's own: nobody is asked before the next one.
+    await page.waitForSelector('[data-robot]:has-text("yours")', { state: 'attached' });
+    await page.waitForSelector('#mission-enter', { state: 'hidden' });
+  }
+});

@@ -47,6 +47,11 @@ impl CompiledScene {
         Self(Arc::new(Parts { def: def.clone().on(setting), map: compiled, materials, robots }))
     }
 
+    /// True if both are copies of one scene: of one map, with what is played there. A scene of equal files is another one.
+    pub fn is_copy_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
     /// Returns the definition that it was compiled from.
     pub fn def(&self) -> &WorldDef {
         &self.0.def

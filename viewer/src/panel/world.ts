@@ -97,7 +97,15 @@ export class WorldPanel {
     });
     const clients = (status?.clients ?? []).map(({ connection, dropped }) => [connection, dropped]);
     const objects = this.state.objects.map((number) => [number, this.state.object(number)?.name]);
-    return JSON.stringify([scene?.map.name, selected, robots, objects, clients, status?.viewers]);
+    return JSON.stringify([
+      scene?.map.name,
+      scene?.scenario?.name,
+      selected,
+      robots,
+      objects,
+      clients,
+      status?.viewers,
+    ]);
   }
 
   private build(): void {

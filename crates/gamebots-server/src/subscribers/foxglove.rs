@@ -95,8 +95,8 @@ impl Subscriber for FoxgloveServer {
     /// Starts a new session: time restarts, perhaps on another map.
     fn start_over(&mut self, moment: &mut Moment, old: &World) -> Vec<String> {
         self.states = StateTimer::default();
-        let map = &moment.world.def().map;
-        if map.name != old.def().map.name {
+        if !moment.world.scene().is_copy_of(old.scene()) {
+            let map = &moment.world.def().map;
             self.recorder.record(0.0, Record::Map(Box::new(map.clone())));
         }
         self.recorder.hand_over();

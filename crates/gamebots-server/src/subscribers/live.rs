@@ -332,9 +332,8 @@ impl Subscriber for Broadcast {
 
     fn start_over(&mut self, moment: &mut Moment, old: &World) -> Vec<String> {
         self.cameras.start_over();
-        let def = moment.world.def();
-        if def.map.name != old.def().map.name {
-            self.show(def);
+        if !moment.world.scene().is_copy_of(old.scene()) {
+            self.show(moment.world.def());
         }
         Vec::new()
     }
