@@ -48,6 +48,21 @@ pageTest('the page opens with scenarios before the demo of the chosen one', { se
   await page.waitForSelector('#door:not([hidden])');
 });
 
+pageTest(
+  'a demo plays again after its end, and a card that is chosen then is shown',
+  { serve, page: door },
+  async ({ page }) => {
+    await page.waitForFunction(() => document.querySelector('[data-robot] span')?.textContent.includes('P3AT'));
+    // The demo stands at its end for a while, and starts again.
+    await page.waitForSelector('#mode[data-mode=log]', { state: 'attached' });
+    await page.waitForSelector('#pause[aria-pressed=true]', { state: 'attached' });
+    await page.waitForSelector('#pause[aria-pressed=false]', { state: 'attached' });
+    await page.waitForSelector('#pause[aria-pressed=true]', { state: 'attached' });
+    await page.hover('[data-scenario=cube]');
+    await page.waitForFunction(() => document.querySelector('[data-robot] span')?.textContent.includes('YouBotArm'));
+  },
+);
+
 pageTest('a scenario is begun, driven to its goal, and its best run kept', { serve, page: door }, async ({ page }) => {
   await page.click('#door-start');
   await page.waitForSelector('[data-robot]', { state: 'attached' });

@@ -38,12 +38,15 @@ export class Door {
   private isOpen = false;
   /** True once somebody has left it in this tab. */
   private wasLeft = sessionStorage.getItem(LEFT) !== null;
-  /** True while a demo of this screen is opened or shown. */
-  private isPreview = false;
+  /** The scenario whose demo is opened or shown behind the cards. */
+  private shown: ScenarioCard | null = null;
   /** Robots of the server's world, now and at the last look. */
   private robots = 0;
   private robotsBefore = 0;
+  /** Fetches the chosen scenario's demo. */
   private timer: ReturnType<typeof setTimeout> | undefined;
+  /** Starts a demo again that has ended. */
+  private repeating: ReturnType<typeof setTimeout> | undefined;
   private readonly demos = new Map<string, Promise<File>>();
 
   constructor(
@@ -102,10 +105,10 @@ export class Door {
     if (this.hasEnded) this.repeat();
   }
 
-  /** True if a demo of this screen has been played to its end. */
+  /** True if the chosen scenario's demo has been played to its end, and no other one is on its way. */
   private get hasEnded(): boolean {
     const { mode, isPaused } = this.playback;
-    return this.isOpen && this.isPreview && mode === 'log' && isPaused;
+    return this.isOpen && this.shown !== null && this.shown === this.chosen && mode === 'log' && isPaused;
   }
 
   /** Shows the scenarios, whatever is in the world. */
@@ -131,8 +134,8 @@ export class Door {
     this.isOpen = false;
     this.element.hidden = true;
     delete document.documentElement.dataset.door;
-    if (this.isPreview) this.playback.goLive();
-    this.isPreview = false;
+    if (this.shown) this.playback.goLive();
+    this.shown = null;
   }
 
   private begin({ name }: ScenarioCard): void {
@@ -146,13 +149,13 @@ export class Door {
   private async watchDemo(card: ScenarioCard): Promise<void> {
     const demo = await this.demo(card);
     if (!demo || !this.isOpen) return;
-    this.isPreview = false;
+    this.shown = null;
     this.close();
     await this.playback.open(demo);
   }
 
   private choose(card: ScenarioCard): void {
-    if (this.chosen === card && this.isPreview) return;
+    if (this.chosen === card && this.shown === card) return;
     this.chosen = card;
     for (const other of this.cards.children) {
       other.setAttribute('aria-pressed', String(other.getAttribute('data-scenario') === card.name));
@@ -169,21 +172,21 @@ export class Door {
       make('div', { class: 'row' }, this.start, this.watch),
     );
     clearTimeout(this.timer);
-    if (card.demo) this.timer = setTimeout(() => void this.preview(card), PATIENCE);
+    if (card.demo && this.shown !== card) this.timer = setTimeout(() => void this.preview(card), PATIENCE);
   }
 
   /** Plays the demo behind the cards. */
   private async preview(card: ScenarioCard): Promise<void> {
     const demo = await this.demo(card);
     if (!demo || !this.isOpen || this.chosen !== card) return;
-    this.isPreview = true;
+    this.shown = card;
     await this.playback.open(demo);
   }
 
   /** Starts a demo that has ended again. */
   private repeat(): void {
-    clearTimeout(this.timer);
-    this.timer = setTimeout(() => {
+    this.repeating ??= setTimeout(() => {
+      this.repeating = undefined;
       if (this.hasEnded) this.playback.playOrPause();
     }, PAUSE);
   }
