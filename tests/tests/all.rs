@@ -23,6 +23,7 @@ mod fit;
 mod floors;
 mod ground;
 mod guests;
+mod hands;
 mod heaps;
 mod hostile_files;
 mod images;

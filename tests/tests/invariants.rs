@@ -259,18 +259,22 @@ fn a_doc_comment_is_judged_by_its_first_line() {
 }
 
 /// Fields of a world, and the files below `world/` that use them, beside `saved.rs`, which saves them.
-const FIELDS_OF_WORLD: [(&str, &[&str]); 18] = [
+const FIELDS_OF_WORLD: [(&str, &[&str]); 19] = [
     ("scene", &["avatar.rs", "controller.rs"]),
     ("options", &["avatar.rs", "controller.rs", "report.rs"]),
-    ("physics", &["actors.rs", "avatar.rs", "controller.rs", "held.rs", "tools.rs", "vacuum.rs", "victims.rs"]),
+    (
+        "physics",
+        &["actors.rs", "avatar.rs", "controller.rs", "held.rs", "pull.rs", "tools.rs", "vacuum.rs", "victims.rs"],
+    ),
     ("is_engine_running", &[]),
     ("steps", &[]),
-    ("robots", &["actors.rs", "controller.rs", "held.rs", "tiles.rs", "victims.rs"]),
+    ("robots", &["actors.rs", "controller.rs", "held.rs", "pull.rs", "tiles.rs", "victims.rs"]),
     ("next_id", &["tools.rs"]),
     ("controllers", &["actors.rs", "controller.rs"]),
     ("avatars", &["actors.rs", "avatar.rs"]),
     ("created", &["controller.rs"]),
     ("next_object", &["avatar.rs", "controller.rs", "tools.rs"]),
+    ("pulls", &["pull.rs"]),
     ("attached", &["held.rs", "tools.rs", "vacuum.rs"]),
     ("engine_names", &["actors.rs", "avatar.rs"]),
     ("tiles", &["tiles.rs"]),

@@ -11,7 +11,7 @@ mod set;
 mod walk;
 
 pub use act::{Act, MisPkg};
-pub use control::{Control, Create, Move, SetPath};
+pub use control::{Control, Create, Move, Pull, SetPath};
 pub use drive::{Drive, Given};
 pub use get::{GetClasses, GetClosestPathNode, GetConf, GetGeo, GetPathNodes, GetStartPoses};
 pub use init::Init;
@@ -433,6 +433,10 @@ mod tests {
             (word(), vector(), any::<bool>()).prop_map(|(name, location, is_relative)| {
                 let rotation = location.map(|number| number / 1e6);
                 Command::Control(Control::Move(command::Move { name, is_relative, location, rotation }))
+            }),
+            (word(), [vector(), vector()], any::<bool>()).prop_map(|(name, [grip, location], is_held)| {
+                let location = is_held.then_some(location);
+                Command::Control(Control::Pull(command::Pull { name, grip, location, rotation: location }))
             }),
             ([number(), number()], any::<bool>(), word()).prop_map(|(place, appends, node)| {
                 let target = if node.is_empty() { Target::Place(place) } else { Target::Node(node) };

@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use nalgebra::Vector3;
 use prost::Message as _;
-use scene::{Contact, Pose, RobotDef, RobotSnapshot, Snapshot, WorldDef};
+use scene::{Contact, Pose, PullSnapshot, RobotDef, RobotSnapshot, Snapshot, WorldDef};
 
 use crate::pb::message::Content;
-use crate::pb::{Frame, Message, Placed, Robot, Scan, Wheel};
+use crate::pb::{Frame, Message, Placed, Pull, Robot, Scan, Wheel};
 
 /// Most contacts of one robot that are published, the strongest first.
 const MAX_CONTACTS: usize = 64;
@@ -31,7 +31,10 @@ pub fn frame(scene: &WorldDef, snapshot: &Snapshot) -> Vec<u8> {
     let robots = snapshot.robots.iter().filter_map(of_class).collect();
     let objects = snapshot.objects.iter();
     let objects = objects.map(|it| Placed { object: it.id.0 as u32, pose: pose(&it.pose).collect() }).collect();
-    encode(Content::Frame(Frame { time: snapshot.time, robots, objects }))
+    let pulls = snapshot.pulls.iter();
+    let line = |it: &PullSnapshot| floats(&it.from).chain(floats(&it.to)).collect();
+    let pulls = pulls.map(|it| Pull { line: line(it), force: it.force.norm() as f32 }).collect();
+    encode(Content::Frame(Frame { time: snapshot.time, robots, objects, pulls }))
 }
 
 /// Encodes a sensor's ranges as a scan; `None` if the robot's class has no such sensor.

@@ -119,7 +119,7 @@ pub use sensed::Sensed;
 pub use sensor::{Reading, SensorDef};
 pub use shape::{Shape, Solid};
 pub use state::{
-    BodyState, Contact, JointState, ObjectId, ObjectSnapshot, PawnId, RobotSnapshot, Snapshot, WheelState,
+    BodyState, Contact, JointState, ObjectId, ObjectSnapshot, PawnId, PullSnapshot, RobotSnapshot, Snapshot, WheelState,
 };
 pub use tyre::{Tyre, isotropic};
 pub use wheel::{Motor, MountedWheel, Rollers, Wheel};

@@ -53,6 +53,8 @@ pub struct Snapshot {
     pub robots: Vec<RobotSnapshot>,
     /// Movable objects, by their ids.
     pub objects: Vec<ObjectSnapshot>,
+    /// Springs by which world controllers pull robots and objects.
+    pub pulls: Vec<PullSnapshot>,
 }
 
 impl Snapshot {
@@ -68,8 +70,19 @@ impl Snapshot {
                 + size_of_val(contacts.as_slice())
         };
         let robots: usize = self.robots.iter().map(of_robot).sum();
-        size_of::<Self>() + robots + size_of_val(self.objects.as_slice())
+        size_of::<Self>() + robots + size_of_val(self.objects.as_slice()) + size_of_val(self.pulls.as_slice())
     }
+}
+
+/// State of a spring that pulls a robot or an object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PullSnapshot {
+    /// Point at which it pulls, m.
+    pub from: Vector3<f64>,
+    /// Place to which it pulls, m.
+    pub to: Vector3<f64>,
+    /// Its force, N.
+    pub force: Vector3<f64>,
 }
 
 /// State of a movable object in a snapshot.

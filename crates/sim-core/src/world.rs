@@ -6,6 +6,7 @@ mod avatar;
 mod controller;
 mod held;
 mod item;
+mod pull;
 mod report;
 mod robot;
 mod saved;
@@ -35,6 +36,7 @@ use avatar::Avatar;
 use controller::{Controller, Created};
 use held::{Attachments, Hand};
 use item::Motion;
+use pull::Pull;
 pub use report::Report;
 use robot::Robot;
 pub use saved::{LoadError, SaveError, SavedWorld};
@@ -70,6 +72,8 @@ pub struct World {
     /// Objects that controllers created, by their ids.
     created: Vec<Created>,
     next_object: u64,
+    /// Springs by which controllers pull things.
+    pulls: Vec<Pull>,
     /// Objects that robots hold, and tools that they have dropped.
     attached: Attachments,
     /// Numbers of pawns within their classes.
@@ -142,6 +146,7 @@ impl World {
             avatars: BTreeMap::new(),
             created: Vec::new(),
             next_object,
+            pulls: Vec::new(),
             attached: Attachments::default(),
             engine_names: EngineNames::default(),
             tiles: Tiles::default(),
@@ -481,6 +486,7 @@ impl World {
         led.extend(self.lead_avatars());
         self.physics.lead_objects(&led);
         self.robots.values_mut().for_each(|robot| robot.before_step(&mut self.physics));
+        self.apply_pulls();
         let is_engine_needed = self.physics.is_engine_needed();
         if is_engine_needed && !self.is_engine_running {
             // The engine's shapes are still where they were in its last step.
@@ -623,6 +629,7 @@ impl World {
             time: self.time(),
             robots: self.robots.values().map(|robot| robot.snapshot(&self.physics)).collect(),
             objects: self.objects().collect(),
+            pulls: self.pull_snapshots().collect(),
         }
     }
 

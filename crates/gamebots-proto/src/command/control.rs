@@ -7,7 +7,7 @@ use crate::{Line, Problem, shown, value};
 const MAX_POINTS: usize = 256;
 
 /// Values of `Type`, with this case, each with its keys.
-const TYPES: [(&str, &[&str]); 11] = [
+const TYPES: [(&str, &[&str]); 12] = [
     (
         "Create",
         &[
@@ -26,6 +26,7 @@ const TYPES: [(&str, &[&str]); 11] = [
     ),
     ("AbsMove", &["Type", "Name", "Location", "Rotation"]),
     ("RelMove", &["Type", "Name", "Location", "Rotation"]),
+    ("Pull", &["Type", "Name", "Grip", "Location", "Rotation"]),
     ("Rotate", &["Type", "Name", "Speed"]),
     ("AddWP", &["Type", "Name", "WP"]),
     ("SetWP", &["Type", "Name", "Speed", "Loop", "Moving", "ResetOnClear", "Time"]),
@@ -45,6 +46,8 @@ pub enum Control {
     Create(Create),
     /// Puts an object or a robot at a place.
     Move(Move),
+    /// Pulls an object or a robot by a spring, or lets it go. The original has no such order.
+    Pull(Pull),
     /// Turns an object for ever.
     Rotate {
         /// Name of the object.
@@ -136,6 +139,19 @@ pub struct Move {
     pub rotation: [f64; 3],
 }
 
+/// Pulls an object or a robot by a spring, or lets it go if neither a place nor a rotation is given.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Pull {
+    /// Name of the object or robot.
+    pub name: String,
+    /// Point that is pulled, m, in the frame of the object or robot.
+    pub grip: [f64; 3],
+    /// Place to which that point is pulled, m, world frame (z down).
+    pub location: Option<[f64; 3]>,
+    /// Roll, pitch, yaw to which it is turned, rad.
+    pub rotation: Option<[f64; 3]>,
+}
+
 /// Changes the motion of an object along its path. Values that are `None` stay.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SetPath {
@@ -160,6 +176,7 @@ impl Control {
             Self::Create(_) => "Create",
             Self::Move(Move { is_relative: false, .. }) => "AbsMove",
             Self::Move(_) => "RelMove",
+            Self::Pull(_) => "Pull",
             Self::Rotate { .. } => "Rotate",
             Self::AddPoints { .. } => "AddWP",
             Self::SetPath(_) => "SetWP",
@@ -177,6 +194,7 @@ impl Control {
         match self {
             Self::Create(Create { name, .. })
             | Self::Move(Move { name, .. })
+            | Self::Pull(Pull { name, .. })
             | Self::SetPath(SetPath { name, .. })
             | Self::Rotate { name, .. }
             | Self::AddPoints { name, .. }
@@ -196,6 +214,7 @@ impl ReadWrite for Control {
         "Name",
         "Location",
         "Rotation",
+        "Grip",
         "Start",
         "Scale",
         "Physics",
@@ -251,6 +270,11 @@ impl ReadWrite for Control {
                 location: vector("Location"),
                 rotation: vector("Rotation"),
             }),
+            "Pull" => {
+                let grip = vector("Grip");
+                let mut given = |key: &str| line.get(key).is_some().then(|| vector(key));
+                Self::Pull(Pull { name, grip, location: given("Location"), rotation: given("Rotation") })
+            }
             "Rotate" => Self::Rotate { name, speed: vector("Speed") },
             "AddWP" => {
                 let parts = line.get("WP").unwrap_or_default().split(';').filter(|part| !part.trim().is_empty());
@@ -318,6 +342,11 @@ impl ReadWrite for Control {
             }
             Self::Move(Move { name, location, rotation, .. }) => {
                 with_vector(with_vector(named(name), "Location", *location), "Rotation", *rotation)
+            }
+            Self::Pull(Pull { name, grip, location, rotation }) => {
+                let line = with_vector(named(name), "Grip", *grip);
+                let line = location.iter().fold(line, |line, location| with_vector(line, "Location", *location));
+                rotation.iter().fold(line, |line, rotation| with_vector(line, "Rotation", *rotation))
             }
             Self::Rotate { name, speed } => with_vector(named(name), "Speed", *speed),
             Self::AddPoints { name, points } => {

@@ -33,6 +33,7 @@ use super::convert;
 use super::fault::Fault;
 use super::identity::{BodyId, Identity};
 use super::motor::{self, Servo, Torque};
+use super::pull::{Grasped, Tug};
 use super::query::set_box;
 use super::rolling::Load;
 use crate::PawnId;
@@ -95,6 +96,8 @@ pub(crate) struct ArticulatedRobot {
     bounds: Bounds,
     /// True if the robot flies.
     flies: bool,
+    /// True if a hand pulls it in the coming step.
+    is_pulled: bool,
     /// Contacts of the current step that this robot holds, and impulses of those of the last step.
     found: Vec<CandidateContact>,
     known: Vec<Known>,
@@ -164,6 +167,7 @@ impl ArticulatedRobot {
             placed: Vec::new(),
             bounds: Bounds { around: None, is_known: false, fault: None },
             flies: false,
+            is_pulled: false,
             found: Vec::new(),
             known: Vec::new(),
             grips: Vec::new(),
@@ -367,6 +371,21 @@ impl ArticulatedRobot {
         joints.map(|(joint, motor)| motor.max_torque * driven(self.body.velocity()[joint.dof], motor) * time_step).sum()
     }
 
+    /// Returns what a spring pulls: the root, with the mass of all.
+    pub(super) fn grasped(&self) -> Grasped {
+        let root = &self.body.tree().links()[0].mass;
+        let rotation = self.body.frames()[0].rotation;
+        let inertia = rotation * root.inertia * rotation.transpose() * (self.compiled.mass / root.mass);
+        Grasped { state: self.state(), centre: self.body.centre(), mass: self.compiled.mass, inertia }
+    }
+
+    /// Applies the effect of a spring to the root for the coming step.
+    pub(super) fn pull(&mut self, tug: &Tug) {
+        self.body.push(0, tug.point, tug.force);
+        self.body.twist(0, tug.torque);
+        self.is_pulled = true;
+    }
+
     /// Moves the robot by a step. If a load turns a joint too fast, the robot's motion about its centre of mass is slowed.
     fn advance(&mut self, time_step: f64) {
         let joints = self.compiled.joints.iter().filter(|joint| !joint.value.is_wheel);
@@ -379,6 +398,7 @@ impl ArticulatedRobot {
             self.body.scale_motion(share);
         }
         self.body.advance(time_step);
+        self.is_pulled = false;
     }
 
     /// Scales the velocities.

@@ -13,13 +13,14 @@ mod solver;
 
 use std::sync::Arc;
 
-use nalgebra::{Translation3, Vector3};
+use nalgebra::{Matrix3, Translation3, Vector3};
 use rapier3d::prelude::*;
 use scene::{BodyState, JointState};
 
 use super::convert;
 use super::fault::Fault;
 use super::motor::{self, Servo, Value};
+use super::pull::{Grasped, Tug};
 
 pub(super) use compile::Tree;
 pub(super) use solver::{Landing, set_parameters};
@@ -89,6 +90,25 @@ impl MultibodyRobot {
     pub(super) fn carrier(&self, world: &PhysicsWorld, link: usize, origin: Vector3<f64>) -> Option<BodyState> {
         let body = world.bodies.get(self.links[*self.tree.numbers.get(link)?])?;
         Some(frame_at(body, body.velocity_at_point(body.translation()), origin))
+    }
+
+    /// Returns what a spring pulls: the first link, with the mass of all.
+    pub(super) fn grasped(&self, world: &PhysicsWorld) -> Grasped {
+        let root = &world.bodies[self.links[0]];
+        let mass: f64 = self.links.iter().map(|&link| world.bodies[link].mass()).sum();
+        let rotation = convert::from_pose(root.position()).rotation.to_rotation_matrix().into_inner();
+        let inertia = root.mass_properties().local_mprops.reconstruct_inertia_matrix();
+        let inertia: Matrix3<f64> = inertia.to_cols_array_2d().into();
+        let inertia = rotation * inertia * rotation.transpose() * (mass / root.mass());
+        Grasped { state: self.state(world), centre: convert::from_vector(root.center_of_mass()), mass, inertia }
+    }
+
+    /// Applies the effect of a spring to the first link for the coming step.
+    pub(super) fn pull(&self, world: &mut PhysicsWorld, tug: &Tug) {
+        if let Some(root) = world.bodies.get_mut(self.links[0]) {
+            root.add_force_at_point(convert::vector(tug.force), convert::vector(tug.point), true);
+            root.add_torque(convert::vector(tug.torque), true);
+        }
     }
 
     /// Returns the fault of the state, if it has one. The engine quarantines a body whose state is infinite or NaN at its last pose, which

@@ -8,6 +8,7 @@ use super::articulated::ArticulatedRobot;
 use super::bodies::{Landing, MultibodyRobot};
 use super::compile::CompiledMechanism;
 use super::fault::Fault;
+use super::pull::{Grasped, Tug};
 use super::surface::Materials;
 use crate::PawnId;
 use crate::flight::Flight;
@@ -84,6 +85,22 @@ impl Mechanism {
     ) {
         if let Self::Bodies(robot) = self {
             robot.apply(world, materials, flight, landing);
+        }
+    }
+
+    /// Returns what a spring pulls.
+    pub(super) fn grasped(&self, world: &PhysicsWorld) -> Grasped {
+        match self {
+            Self::Bodies(robot) => robot.grasped(world),
+            Self::Articulated(robot) => robot.grasped(),
+        }
+    }
+
+    /// Applies the effect of a spring to the body for the coming step, after the motors.
+    pub(super) fn pull(&mut self, world: &mut PhysicsWorld, tug: &Tug) {
+        match self {
+            Self::Bodies(robot) => robot.pull(world, tug),
+            Self::Articulated(robot) => robot.pull(tug),
         }
     }
 

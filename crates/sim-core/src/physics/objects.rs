@@ -8,7 +8,7 @@ use scene::{Object, ObjectId, ObjectSnapshot, Pose};
 use serde::{Deserialize, Serialize};
 
 use super::articulated::{CompiledObject, MovableObject, SavedObject};
-use super::{Fault, Physics, convert, shape};
+use super::{Fault, Physics, Spring, Tug, convert, shape};
 
 /// An object that was taken out of the world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,6 +39,20 @@ impl Physics {
         if let Some(place) = self.place_of(id) {
             self.objects[place].push_off(linear, angular);
         }
+    }
+
+    /// Pulls an object by a spring in the coming step.
+    pub(crate) fn pull_object(&mut self, id: ObjectId, spring: &Spring) {
+        let time_step = self.world.integration_parameters.dt;
+        if let Some(place) = self.place_of(id) {
+            self.objects[place].pull(spring, time_step);
+        }
+    }
+
+    /// Returns the effect of a spring on an object now; `None` if nothing can pull it: it is gone or held.
+    pub(crate) fn tug_of_object(&self, id: ObjectId, spring: &Spring) -> Option<Tug> {
+        let object = self.objects.get(self.place_of(id)?).filter(|object| !object.is_held())?;
+        Some(spring.tug(&object.grasped(), self.world.integration_parameters.dt))
     }
 
     fn insert_object(&mut self, id: ObjectId, def: Arc<Object>, pose: &Pose, is_held: bool) -> MovableObject {

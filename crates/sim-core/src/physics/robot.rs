@@ -10,7 +10,7 @@ use super::articulated::{self, SavedTree, StepInput};
 use super::compile::{CompiledRobot, Held, with_held};
 use super::mechanism::Mechanism;
 use super::query::set_box;
-use super::{Fault, Physics};
+use super::{Fault, Physics, Spring, Tug};
 use crate::PawnId;
 use crate::flight::Flight;
 use crate::threads::Threads;
@@ -108,6 +108,17 @@ impl Physics {
         }
         self.remove(robot);
         *robot = self.spawn(robot.robot.clone(), id, pose);
+    }
+
+    /// Pulls a robot by a spring in the coming step. Its motors have been applied before.
+    pub(crate) fn pull_robot(&mut self, robot: &mut RobotBodies, spring: &Spring) {
+        let tug = self.tug_of_robot(robot, spring);
+        robot.mechanism.pull(&mut self.world, &tug);
+    }
+
+    /// Returns the effect of a spring on a robot now.
+    pub(crate) fn tug_of_robot(&self, robot: &RobotBodies, spring: &Spring) -> Tug {
+        spring.tug(&robot.mechanism.grasped(&self.world), self.world.integration_parameters.dt)
     }
 
     /// Returns a class with objects fixed to its links. Fails with the reason in words, for example if they are too heavy.

@@ -223,6 +223,7 @@ impl World {
         let done = match order {
             Control::Create(create) => self.create(by, create, problems),
             Control::Move(order) => self.put(by, order, problems),
+            Control::Pull(order) => self.pull(by, order),
             Control::Rotate { name, speed } => self.rotate(by, name, *speed),
             Control::AddPoints { name, points } => self.add_points(by, name, points, problems),
             Control::SetPath(set) => self.set_path(by, set),
@@ -253,6 +254,7 @@ impl World {
     pub(super) fn remove_controller(&mut self, id: PawnId) {
         if self.controllers.remove(&id).is_some() {
             self.remove_created(|_, created| created.by == id && !created.permanent);
+            self.let_go(id);
         }
     }
 
@@ -410,8 +412,7 @@ impl World {
             }
             return Ok(());
         }
-        let robot = self.robots.values().find(|robot| robot.name() == name).map(|robot| robot.id());
-        let id = robot.ok_or("no object or robot has that name")?;
+        let id = self.robot_of(name).ok_or("no object or robot has that name")?;
         let now = self.observe(id).ok_or("it is gone")?.body.pose;
         let (position, angles) = wanted(&now);
         in_reach(&position)?;
@@ -626,11 +627,18 @@ impl World {
     }
 
     /// Finds an object by its name, in any case: first among the controller's own, then among all others, those of the map included.
-    fn object_of(&self, by: PawnId, name: &str) -> Option<ObjectId> {
+    pub(super) fn object_of(&self, by: PawnId, name: &str) -> Option<ObjectId> {
         let is_named = |created: &&Created| created.name.eq_ignore_ascii_case(name);
         let own = self.created.iter().filter(|created| created.by == by).find(is_named);
         let created = own.or_else(|| self.created.iter().find(is_named)).map(|created| created.id);
         created.or_else(|| self.objects().find(|it| it.def.solid.name.eq_ignore_ascii_case(name)).map(|it| it.id))
+    }
+
+    /// Finds a robot by its name, or one without a name by its number, as `#3`.
+    pub(super) fn robot_of(&self, name: &str) -> Option<PawnId> {
+        let named = self.robots.values().find(|robot| robot.name() == name).map(|robot| robot.id());
+        let numbered = || name.strip_prefix('#')?.parse().ok().map(PawnId).filter(|id| self.robots.contains_key(id));
+        named.or_else(numbered)
     }
 
     /// Answers a question for the states of a controller's objects: those that fit into one line, the oldest first.

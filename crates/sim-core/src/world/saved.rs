@@ -9,6 +9,7 @@ use super::actors::EngineNames;
 use super::avatar::Avatar;
 use super::controller::{Controller, Created, MAX_OBJECTS};
 use super::held::Attachments;
+use super::pull::{MAX_PULLS, Pull};
 use super::robot::{Robot, SavedRobot};
 use super::tiles::Tiles;
 use super::{MAX_NAME_CHARS, MAX_ROBOTS, World};
@@ -29,6 +30,8 @@ pub struct SavedWorld {
     avatars: BTreeMap<PawnId, Avatar>,
     created: Vec<Created>,
     next_object: u64,
+    #[serde(default)]
+    pulls: Vec<Pull>,
     #[serde(flatten)]
     attached: Attachments,
     #[serde(default)]
@@ -76,6 +79,7 @@ impl SavedWorld {
         let lists = [
             ("pawns", pawns, MAX_ROBOTS),
             ("objects of controllers", self.created.len(), MAX_OBJECTS),
+            ("things that are pulled", self.pulls.len(), MAX_PULLS),
             ("objects", objects, check::MAX_SOLIDS),
         ];
         if let Some((what, got, most)) = lists.into_iter().find(|(_, got, most)| got > most) {
@@ -147,6 +151,9 @@ pub enum LoadError {
     /// There are too many RFID tags, or one has a text or a position that no tag can have.
     #[error("RFID tags: expected at most {}, each within the map and with a text without braces", check::MAX_TAGS)]
     Tags,
+    /// A spring pulls to a place that no order gives.
+    #[error("pulls: expected places within the map")]
+    Pulls,
     /// The map has other conveyors than when the world was saved.
     #[error("got factors of {got} conveyors, expected finite ones of {expected}")]
     OtherConveyors {
@@ -229,6 +236,7 @@ impl World {
             avatars: self.avatars.clone(),
             created: self.created.clone(),
             next_object: self.next_object,
+            pulls: self.pulls.clone(),
             attached: self.attached.clone(),
             engine_names: self.engine_names.clone(),
             tiles: self.tiles,
@@ -271,6 +279,10 @@ impl World {
         if let Some(created) = saved.created.iter().find(|it| !fits(it)) {
             return Err(LoadError::Created { id: created.id() });
         }
+        if !saved.pulls.iter().all(Pull::is_sound) {
+            return Err(LoadError::Pulls);
+        }
+        world.pulls = saved.pulls.clone();
         let is_sound = |tag: &RfidTag| check::tag(tag).is_empty();
         if let Some(tags) = &saved.tags {
             if tags.len() > check::MAX_TAGS || !tags.iter().all(is_sound) {

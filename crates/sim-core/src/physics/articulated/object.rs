@@ -15,6 +15,7 @@ use super::super::WAKING_REACH;
 use super::super::convert;
 use super::super::fault::Fault;
 use super::super::identity::{BodyId, Identity};
+use super::super::pull::{Grasped, Spring};
 use super::super::surface::Surface as ColliderSurface;
 use super::ArticulatedRobot;
 use super::compile::{Articulated, CompiledObject};
@@ -166,6 +167,24 @@ impl MovableObject {
     pub(in super::super) fn arrive(&mut self, pose: &Pose) {
         self.body.body.set_pose(*pose);
         self.body.bounds.is_known = false;
+    }
+
+    /// Pulls the object by a spring in the coming step, and keeps it awake. A held object feels nothing.
+    pub(in super::super) fn pull(&mut self, spring: &Spring, time_step: f64) {
+        if self.is_held {
+            return;
+        }
+        if self.sleep.is_some() {
+            self.wake();
+        }
+        self.still = 0.0;
+        let tug = spring.tug(&self.body.grasped(), time_step);
+        self.body.pull(&tug);
+    }
+
+    /// Returns what a spring pulls.
+    pub(in super::super) fn grasped(&self) -> Grasped {
+        self.body.grasped()
     }
 
     /// Sets the velocity of the frame's origin, m/s, and the angular velocity, rad/s, in world axes.

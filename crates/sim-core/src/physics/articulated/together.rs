@@ -428,14 +428,14 @@ impl Step<'_> {
     }
 
     /// Computes the energy of a group before a step, J, if one of its bodies is fast. `None` for groups with flying robots or bases that
-    /// follow their commands: their velocities are imposed.
+    /// follow their commands, whose velocities are imposed, and for those that a hand pulls.
     fn watched_energy(self, group: &mut [Member]) -> Option<f64> {
         let mut robots = group.iter_mut().filter_map(Member::robot);
         if !robots.any(|robot| robot.is_fast(self.time_step)) {
             return None;
         }
         let mut robots = group.iter_mut().filter_map(Member::robot);
-        let is_given = robots.any(|robot| robot.flies || robot.compiled.following.is_some());
+        let is_given = robots.any(|robot| robot.flies || robot.is_pulled || robot.compiled.following.is_some());
         (!is_given).then(|| self.energy(group).iter().sum())
     }
 

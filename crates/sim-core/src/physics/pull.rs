@@ -1,0 +1,79 @@
+//! Springs that pull a body at a point, as a hand does.
+
+use nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
+use scene::BodyState;
+use serde::{Deserialize, Serialize};
+
+/// Frequency of the spring with the body's whole mass, rad/s. What is lifted hangs 0.1 m below the hand.
+const FREQUENCY: f64 = 10.0;
+/// Largest acceleration that the spring gives, m/s²: enough to lift, and to throw.
+const MAX_ACCELERATION: f64 = 30.0;
+/// Largest angular acceleration of the spring that turns the body, rad/s².
+const MAX_TURNING: f64 = 100.0;
+/// Decrease of the turn of a body that swings below the hand, 1/s, and the most that its lever adds to its inertia then.
+const CALMING: f64 = 2.0;
+const MOST_INERTIA: f64 = 10.0;
+/// Most of a way that a spring at rest takes back in a step. A softer spring takes the place of one that is too stiff for the step.
+const MOST_OF_WAY: f64 = 1.0;
+
+/// A spring from a point of a body to a place. Its stiffness goes with the body's mass, and its damping is critical.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Spring {
+    /// Point of the body, in its own frame, m.
+    pub(crate) grip: Vector3<f64>,
+    /// Place to which the point is pulled, m; `None` to turn the body alone.
+    pub(crate) to: Option<Vector3<f64>>,
+    /// Orientation to which the body is turned; `None` to let it swing.
+    pub(crate) turn: Option<UnitQuaternion<f64>>,
+}
+
+/// A body that a spring pulls. Vectors are in world axes.
+pub(super) struct Grasped {
+    pub(super) state: BodyState,
+    /// Position of the centre of mass of the link that is pulled, m.
+    pub(super) centre: Vector3<f64>,
+    /// Mass with all links, kg.
+    pub(super) mass: f64,
+    /// Moments of inertia about the centre, kg m². Arms and wheels are taken to be spread as the link is.
+    pub(super) inertia: Matrix3<f64>,
+}
+
+/// Effect of a spring on a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Tug {
+    /// Point at which it pulls, m.
+    pub(crate) point: Vector3<f64>,
+    /// Its force, N.
+    pub(crate) force: Vector3<f64>,
+    /// Its torque beside that of the force, N m.
+    pub(crate) torque: Vector3<f64>,
+}
+
+impl Spring {
+    /// Computes the effect on a body in the coming step.
+    pub(super) fn tug(&self, body: &Grasped, time_step: f64) -> Tug {
+        let Grasped { state: BodyState { pose, linear, angular }, centre, mass, inertia } = body;
+        let point = (pose * Point3::from(self.grip)).coords;
+        let velocity = linear + angular.cross(&(point - pose.translation.vector));
+        // A push far from the centre meets less than the whole mass, as it turns the body.
+        let lever = (point - centre).cross_matrix();
+        let turning = inertia.try_inverse().map_or(0.0, |inverse| (lever.transpose() * inverse * lever).norm());
+        let share = 1.0 / (1.0 + mass * turning);
+        let acceleration = self.to.map_or_else(Vector3::zeros, |to| driven(&(to - point), &velocity, share, time_step));
+        let force = acceleration.cap_magnitude(MAX_ACCELERATION) * *mass;
+        let turning = match self.turn {
+            Some(turn) => {
+                let way = (turn * pose.rotation.inverse()).scaled_axis();
+                driven(&way, angular, 1.0, time_step).cap_magnitude(MAX_TURNING)
+            }
+            None => -angular * CALMING * (1.0 / share).min(MOST_INERTIA),
+        };
+        Tug { point, force, torque: inertia * turning }
+    }
+}
+
+/// Returns the acceleration of a critically damped spring with a way to go, by the velocity. `share` is the part of the mass that it meets.
+fn driven(way: &Vector3<f64>, velocity: &Vector3<f64>, share: f64, time_step: f64) -> Vector3<f64> {
+    let stiffness = (FREQUENCY * FREQUENCY).min(MOST_OF_WAY * share / (time_step * time_step));
+    stiffness * way - 2.0 * FREQUENCY * share * velocity
+}
