@@ -5,10 +5,12 @@ import './icons.css';
 import { type Action, listenToKeys } from './actions';
 import { Board } from './panel/board';
 import { showCommands, showKeys } from './panel/commands';
+import { ContextMenu } from './panel/context';
 import { askToken } from './panel/dialog';
 import { find, remember, remembered, save, setText } from './panel/dom';
 import { Door } from './panel/door';
 import { DrivePanel } from './panel/drive';
+import { Hands, type Thing } from './panel/hands';
 import { focusView, returnFocusAfterChoice } from './panel/keys';
 import { changeMap, offerMaps } from './panel/maps';
 import { Mission } from './panel/mission';
@@ -101,11 +103,23 @@ const wire = new WirePanel(
 const toasts = new Toasts();
 const pace = new Pace();
 const tools = new Tools(state, view);
+/** The client whose lines pull, put and remove things. */
+const controller = new Hand(transport, (why) => say(`The client of this page's hands has left: ${why}`), [
+  'INIT {ClassName WorldController} {Name hands}',
+]);
+const hands = new Hands(state, (line) => controller.say(line));
+const menu = new ContextMenu(state, view, hands, {
+  choose,
+  look: (mode) => tools.look(mode),
+  spawnAt: (place) => drive.spawnHere(place),
+  remove: removeChosen,
+});
 const pointer = new Pointer(
   state,
   view,
-  select,
-  (robot, place) => drive.moveTo(robot, place, 0),
+  hands,
+  choose,
+  (hit, x, y) => menu.open(hit, x, y),
   (fit) => live.askFit(fit),
 );
 const drive = new DrivePanel(
@@ -216,7 +230,10 @@ const world = new WorldPanel(
   pictures,
   {
     select,
-    lookAtObject: (number) => view.lookAtObject(number),
+    chooseObject(number) {
+      choose({ object: number });
+      view.lookAtObject(number);
+    },
     isPlotted: (robot, key) => plots.has(robot, key),
     plot(robot, value) {
       plots.toggle(robot, value);
@@ -230,7 +247,7 @@ const world = new WorldPanel(
 function showScene(scene: Scene): void {
   const before = state.scene;
   state.scene = scene;
-  state.selected = null;
+  state.selected = state.chosenObject = null;
   state.forgetSensors();
   // After a lost connection the same world may come again; what comes after a log is another one.
   if (before?.map.name !== scene.map.name || !state.isPresent) pictures.end();
@@ -293,14 +310,26 @@ function showStatus(status: Status): void {
 
 function showFrame(frame: Frame): void {
   state.frame = frame;
+  const { chosenObject } = state;
+  if (chosenObject !== null && !frame.objects.some(({ number }) => number === chosenObject)) choose(null);
   view.setFrame(frame);
   if (playback.mode === 'log') plots.push(frame);
   plots.showMoment(playback.mode === 'live' ? null : frame.time);
   document.documentElement.dataset.state = 'live';
 }
 
+/** Chooses a robot or an object; null for neither an object nor another robot. */
+function choose(thing: Thing | null): void {
+  if (thing && 'robot' in thing) return select(thing.robot);
+  state.chosenObject = thing?.object ?? null;
+  view.chooseObject(state.chosenObject);
+  world.update();
+}
+
 function select(robot: number): void {
   state.selected = robot;
+  state.chosenObject = null;
+  view.chooseObject(null);
   drive.driveIfOwn(robot);
   world.update();
   view.select(robot);
@@ -327,9 +356,10 @@ function showBanner(text: string | null): void {
   else if (wasLost) say('Connected again');
 }
 
-function removeRobot(): void {
-  if (state.selected === null) say('No robot is chosen');
-  else live.control({ remove: state.selected });
+function removeChosen(): void {
+  if (state.chosenObject !== null) hands.remove(state.chosenObject);
+  else if (state.selected !== null) live.control({ remove: state.selected });
+  else say('Nothing is chosen');
 }
 
 function showPlots(shown: boolean): void {
@@ -390,7 +420,9 @@ const actions: Action[] = [
   { name: 'Save the world to a file', run: press('save') },
   { name: 'Open a log, a robot, a world or a mesh', key: 'o', shown: 'O', run: press('open-log') },
   { name: 'Reset world', run: press('reset') },
-  { name: 'Remove the chosen robot', run: removeRobot },
+  { name: 'Remove the chosen robot or object', run: removeChosen },
+  { name: 'Menu of the chosen robot or object', key: 'u', shown: 'U', run: () => menu.openOfChosen() },
+  { name: 'Put something in the middle of the view', drives: true, run: () => menu.openOfMiddle() },
   { name: 'Score board of a league: large or small', key: 'b', shown: 'B', run: () => board.toggle() },
   { name: 'Save the picture as PNG', run: press('screenshot') },
   { name: 'Clear the paths', run: () => view.clearPaths() },

@@ -14,6 +14,8 @@ export class State {
   spawned: ReadonlyMap<number, Solid> = new Map();
   /** Number of the robot that is looked at. */
   selected: number | null = null;
+  /** Number of the object that is chosen in place of the robot. */
+  chosenObject: number | null = null;
   /** The server's numbers of this page's own connections, which have spawned a robot each. */
   readonly own = new Set<number>();
   /** INIT lines that this page has sent. */

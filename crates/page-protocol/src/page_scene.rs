@@ -169,6 +169,10 @@ page_types! {
         material: &'a str,
         colour: [f64; 3],
         friction: f64,
+        /// Mass of a movable object, kg.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        #[cfg_attr(test, ts(optional))]
+        mass: Option<f64>,
     }
 
     /// An object that the map does not have.
@@ -363,7 +367,7 @@ pub fn class_json(def: &RobotDef) -> String {
 
 /// Returns objects beside the map's as JSON.
 pub fn objects_json(objects: &[ObjectSnapshot]) -> String {
-    let objects = objects.iter().map(|object| Spawned { number: object.id.0, solid: solid(&object.def.solid) });
+    let objects = objects.iter().map(|object| Spawned { number: object.id.0, solid: object_solid(&object.def) });
     serde_json::to_string(&objects.collect::<Vec<_>>()).unwrap_or_default()
 }
 
@@ -374,7 +378,7 @@ fn map(map: &MapDef) -> Map<'_> {
         robots: &map.robots,
         solids: map.solids.iter().map(solid).collect(),
         markings: map.markings.iter().map(solid).collect(),
-        objects: map.objects.iter().map(|object| solid(&object.solid)).collect(),
+        objects: map.objects.iter().map(object_solid).collect(),
         starts: map.starts.iter().map(named).collect(),
         path_nodes: map.path_nodes.iter().map(named).collect(),
     }
@@ -429,7 +433,12 @@ fn solid(solid: &scene::Solid) -> Solid<'_> {
         material: &solid.material.name,
         colour: solid.material.colour,
         friction: solid.material.friction,
+        mass: None,
     }
+}
+
+fn object_solid(object: &scene::Object) -> Solid<'_> {
+    Solid { mass: Some(object.mass), ..solid(&object.solid) }
 }
 
 fn named(place: &scene::NamedPose) -> NamedPlace<'_> {

@@ -126,7 +126,7 @@ export class LogFile {
     const robots = found.map(({ state: { robot: id, class: robotClass, name } }) => {
       return { id, class: robotClass, name, connection: this.connections.get(id) ?? null, battery: null };
     });
-    return { frame: { time, robots: found.map(({ robot }) => robot), objects: [] }, robots };
+    return { frame: { time, robots: found.map(({ robot }) => robot), objects: [], pulls: [] }, robots };
   }
 
   /** Returns the lines after one time up to another, s; the newest if there are too many. */

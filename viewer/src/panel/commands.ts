@@ -26,7 +26,11 @@ export function showCommands(actions: Action[]): void {
   };
   input.oninput = fill;
   input.onkeydown = (event) => {
-    if (event.key === 'Enter') list.querySelector('button')?.click();
+    if (event.key === 'Enter') {
+      // Else it also presses what the command moves the focus to.
+      event.preventDefault();
+      list.querySelector('button')?.click();
+    }
     if (event.key === 'ArrowDown') list.querySelector('button')?.focus();
   };
   fill();
@@ -52,7 +56,7 @@ export function showKeys(actions: Action[]): void {
     make(
       'p',
       { class: 'quiet' },
-      'Drag turns the view, right drag or two fingers move it, the wheel zooms. A gamepad drives: left stick moves, right stick turns, triggers go up and down.',
+      'Drag turns the view, right drag or two fingers move it, the wheel zooms. A drag on the chosen robot or object pulls it: Shift lifts, Ctrl turns. A right click has more. A gamepad drives: left stick moves, right stick turns, triggers go up and down.',
     ),
   );
 }

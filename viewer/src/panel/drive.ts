@@ -174,15 +174,10 @@ export class DrivePanel {
     if (own && own !== this.driven) this.drive(own);
   }
 
-  /** Puts an own robot to another place: it leaves and comes again, as any client could. */
-  moveTo(robot: number, location: Vector, yaw: number): void {
-    const connection = this.state.robot(robot)?.connection;
-    const own = this.robots.find((own) => own.connection !== null && own.connection === connection);
-    if (!own) return this.say('You can only move robots that you spawned from this page');
-    if (this.state.scene?.league) return this.say('In a league a robot enters at a start of its team');
-    const { robotClass, name } = own.client.spawn;
-    this.forget(own);
-    this.spawn({ robotClass, name, place: { location, yaw }, team: null });
+  /** Spawns a robot of the form's class at a place of the floor. */
+  spawnHere([x, y, z]: Vector): void {
+    // A little above, from where it is put down.
+    this.spawnAt(this.form.robotClass, [x, y, z - 0.01]);
   }
 
   /** Spawns a robot as it is said, whatever the form offers. */

@@ -1,10 +1,11 @@
-/** Pointer in the view: a click chooses or places a robot. A drag moves an own robot while time stands still. */
+/** Pointer in the view: a click chooses a thing or places a robot. A drag on the chosen thing pulls it, or moves it while time stands still. */
 
 import type { Fit, FitAnswer } from '../protocol/fit';
 import type { Vector } from '../protocol/scene';
 import type { State } from '../state';
-import type { View } from '../view/view';
+import type { Hit, View } from '../view/view';
 import { find, setText } from './dom';
+import type { Hands, Thing } from './hands';
 import type { Placing } from './spawn';
 
 /** A press that moves farther is no click, px. */
@@ -16,7 +17,13 @@ const SAME = 0.002;
 export class Pointer {
   private placing: Placing = null;
   private pressed: PointerEvent | null = null;
-  private dragged: number | null = null;
+  /** The thing in the hand. */
+  private dragged: Thing | null = null;
+  /** Place to which it is pulled. */
+  private to: Vector | null = null;
+  /** Way of the pointer to the side with Ctrl, and its last place across, px. */
+  private turned = 0;
+  private last = 0;
   /** Place of the ghost, and the server's last answer. */
   private shown: Vector | null = null;
   private answer: FitAnswer | null = null;
@@ -25,8 +32,9 @@ export class Pointer {
   constructor(
     private readonly state: State,
     private readonly view: View,
-    private readonly select: (robot: number) => void,
-    private readonly move: (robot: number, place: Vector) => void,
+    private readonly hands: Hands,
+    private readonly choose: (thing: Thing | null) => void,
+    private readonly menu: (hit: Hit, x: number, y: number) => void,
     private readonly askFit: (fit: Fit) => void,
   ) {
     const canvas = find('canvas');
@@ -36,6 +44,7 @@ export class Pointer {
     canvas.addEventListener('pointerup', (event) => this.up(event));
     canvas.addEventListener('pointercancel', () => this.cancel());
     window.addEventListener('keydown', ({ key }) => key === 'Escape' && this.cancel());
+    window.addEventListener('blur', () => this.cancel());
   }
 
   /** Waits for a click that says where a robot shall stand; null ends that. */
@@ -79,36 +88,72 @@ export class Pointer {
 
   private down(event: PointerEvent): void {
     this.pressed = event;
-    const hit = event.button === 0 && !this.placing ? this.view.pick(event.clientX, event.clientY) : null;
-    if (!hit || !('robot' in hit) || !this.state.status?.paused || !this.state.isPresent) return;
-    const robot = this.state.robot(hit.robot);
-    if (!robot || !this.state.isOwn(robot)) return;
-    this.dragged = hit.robot;
+    // Fingers turn the view: they would take things by mistake.
+    if (event.button !== 0 || this.placing || event.pointerType === 'touch') return;
+    const hit = this.view.pick(event.clientX, event.clientY);
+    if (!hit || 'ground' in hit || !this.isChosen(hit) || !this.mayTake) return;
+    if (!this.hands.take(hit, hit.place)) return;
+    this.dragged = hit;
+    this.to = hit.place;
+    this.turned = 0;
+    this.last = event.clientX;
     this.view.holdCamera(true);
     find('canvas').setPointerCapture(event.pointerId);
   }
 
+  /** True if this page may change the world that is shown. */
+  private get mayTake(): boolean {
+    return this.state.isPresent && !this.state.isWatched;
+  }
+
+  private isChosen(thing: Thing): boolean {
+    const { selected, chosenObject } = this.state;
+    return 'robot' in thing ? chosenObject === null && thing.robot === selected : thing.object === chosenObject;
+  }
+
   private over(event: PointerEvent): void {
-    if (this.dragged === null && !this.placing) return;
+    if (this.dragged) return this.drag(event);
+    if (!this.placing) return;
     const place = this.view.groundAt(event.clientX, event.clientY);
-    const robotClass = this.placing?.robotClass ?? this.state.robot(this.dragged)?.class ?? null;
     if (!place) return;
-    if (this.placing) {
-      this.shown = place;
-      this.showGhost(this.placing.robotClass, place);
-      this.askFit({ class: this.placing.robotClass, location: spawnPlace(place), yaw: 0 });
-    } else if (this.hasMoved(event)) this.view.showGhost(robotClass, place, 0);
+    this.shown = place;
+    this.showGhost(this.placing.robotClass, place);
+    this.askFit({ class: this.placing.robotClass, location: spawnPlace(place), yaw: 0 });
+  }
+
+  /** Pulls in the plane of the floor; with Shift up and down, and with Ctrl about the vertical. */
+  private drag(event: PointerEvent): void {
+    const { clientX: x, clientY: y, shiftKey: isLifting, ctrlKey: isTurning } = event;
+    if (!this.dragged || !this.to || !this.hasMoved(event)) return;
+    if (this.isPut) {
+      const place = this.view.groundAt(x, y);
+      if (place) this.view.showGhost(this.state.robot(this.robot)?.class ?? null, place);
+      return;
+    }
+    if (isTurning) this.turned += x - this.last;
+    else this.to = this.view.pointAt(x, y, this.to, isLifting) ?? this.to;
+    this.last = x;
+    this.hands.pull(this.to, this.turned);
+  }
+
+  private get robot(): number | null {
+    return this.dragged && 'robot' in this.dragged ? this.dragged.robot : null;
+  }
+
+  /** True if what is dragged is put down where it is let go: a robot needs room. */
+  private get isPut(): boolean {
+    return this.robot !== null && this.state.status?.paused === true;
   }
 
   private up(event: PointerEvent): void {
-    const dragged = this.dragged;
-    this.dragged = null;
-    if (dragged !== null) this.letGo();
-    if (this.hasMoved(event)) {
-      const place = dragged === null ? null : this.view.groundAt(event.clientX, event.clientY);
-      if (dragged !== null && place) this.move(dragged, place);
-      return;
+    if (this.dragged && this.hasMoved(event)) {
+      const place = this.isPut ? this.view.groundAt(event.clientX, event.clientY) : null;
+      if (place) this.hands.putDown(place);
+      else this.hands.release();
+      return this.letGo();
     }
+    if (this.dragged) this.cancel();
+    if (this.hasMoved(event)) return;
     const { placing } = this;
     if (placing) {
       const place = this.view.groundAt(event.clientX, event.clientY);
@@ -118,16 +163,18 @@ export class Pointer {
       return;
     }
     const hit = this.view.pick(event.clientX, event.clientY);
-    if (hit && 'robot' in hit) this.select(hit.robot);
+    if (event.button === 2 && hit) this.menu(hit, event.clientX, event.clientY);
+    else if (event.button === 0) this.choose(hit && !('ground' in hit) ? hit : null);
   }
 
   private cancel(): void {
-    this.dragged = null;
+    this.hands.release();
     this.letGo();
     this.place(null);
   }
 
   private letGo(): void {
+    this.dragged = this.to = null;
     this.view.showGhost(null);
     this.view.holdCamera(false);
   }

@@ -75,6 +75,11 @@ export class SpawnForm {
     this.offerStarts();
   }
 
+  /** Class that is offered. */
+  get robotClass(): string {
+    return this.classes.value;
+  }
+
   private setClass(robotClass: string): void {
     this.classes.value = robotClass;
     this.classIsChosen = true;

@@ -1,5 +1,6 @@
 /** The tree of what is in the world, with the values of robots; a click on a value plots it. */
 
+import { rollPitchYaw } from '../protocol/frame';
 import type { State } from '../state';
 import { type Group, type Value, valuesOf } from '../values';
 import { find, fixed, make, setText } from './dom';
@@ -11,7 +12,7 @@ const BY_NAME = new Intl.Collator('en', { numeric: true });
 /** Actions of clicks in the tree. */
 export interface WorldActions {
   select: (robot: number) => void;
-  lookAtObject: (number: number) => void;
+  chooseObject: (number: number) => void;
   isPlotted: (robot: number, key: string) => boolean;
   plot: (robot: number, value: Value) => void;
   /** Other robots show their values than before. */
@@ -36,6 +37,8 @@ export class WorldPanel {
     ['Velocity', true],
   ]);
   private cells: Cell[] = [];
+  /** Where the chosen object's pose is written. */
+  private place: { number: number; output: HTMLElement } | null = null;
   private shown = '';
 
   constructor(
@@ -73,7 +76,16 @@ export class WorldPanel {
       setText(output, number === null ? '–' : fixed(number, value.digits));
       button.setAttribute('aria-pressed', String(this.actions.isPlotted(robot, value.key)));
     }
+    if (this.place) this.writePlace(this.place);
     this.pictures.update();
+  }
+
+  private writePlace({ number, output }: NonNullable<typeof this.place>): void {
+    const pose = this.state.frame?.objects.find((object) => object.number === number)?.pose;
+    if (!pose) return setText(output, 'not there');
+    const [x, y, z] = pose.map((part) => fixed(part, 3));
+    const degrees = rollPitchYaw(pose).map((angle) => fixed((angle * 180) / Math.PI, 1));
+    setText(output, `x ${x}  y ${y}  z ${z} m\nroll ${degrees[0]}°  pitch ${degrees[1]}°  yaw ${degrees[2]}°`);
   }
 
   private isOpen(robot: number): boolean {
@@ -101,6 +113,7 @@ export class WorldPanel {
       scene?.map.name,
       scene?.scenario?.name,
       selected,
+      this.state.chosenObject,
       robots,
       objects,
       clients,
@@ -115,6 +128,7 @@ export class WorldPanel {
       document.activeElement?.getAttribute(name),
     );
     this.cells = [];
+    this.place = null;
     const sorted = robots.map(({ id }) => ({ id, name: this.state.nameOf(id) }));
     sorted.sort((one, other) => BY_NAME.compare(one.name, other.name) || one.id - other.id);
     this.robots.replaceChildren(...sorted.map(({ id }) => this.robot(id)));
@@ -127,9 +141,11 @@ export class WorldPanel {
     this.actions.expanded(robots.map(({ id }) => id).filter((id) => this.isOpen(id)));
     const objects = this.state.objects.map((number) => {
       const name = this.state.object(number)?.name ?? '';
-      const button = make('button', { class: 'leaf', 'data-object': String(number) }, name);
-      button.onclick = () => this.actions.lookAtObject(number);
-      return make('li', {}, button);
+      const isChosen = number === this.state.chosenObject;
+      const pressed = String(isChosen);
+      const button = make('button', { class: 'leaf', 'data-object': String(number), 'aria-pressed': pressed }, name);
+      button.onclick = () => this.actions.chooseObject(number);
+      return make('li', {}, button, ...(isChosen ? [this.objectFacts(number)] : []));
     });
     const clients = (status?.clients ?? []).map(({ connection, peer, dropped }) => {
       const names = robots.filter((robot) => robot.connection === connection).map(({ id }) => this.state.nameOf(id));
@@ -175,6 +191,16 @@ export class WorldPanel {
     const item = make('li', {}, make('div', { class: 'branch' }, expander, button));
     if (open) item.append(...this.pictures.of(id), ...this.groups(id).map((group) => this.group(id, group)));
     return item;
+  }
+
+  /** Returns the chosen object's facts and its pose, which is written again and again. */
+  private objectFacts(number: number): HTMLElement {
+    const { mass, material, friction } = this.state.object(number) ?? {};
+    const facts = [
+      `${mass === undefined ? '' : `${Number(mass.toPrecision(3))} kg, `}${material}, friction ${friction}`,
+    ];
+    this.place = { number, output: make('output', { 'data-place': '' }) };
+    return make('div', { class: 'facts' }, ...facts, make('br', {}), this.place.output);
   }
 
   private group(robot: number, { name, values }: Group): HTMLElement {

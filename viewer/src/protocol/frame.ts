@@ -51,12 +51,23 @@ export interface ObjectState {
   pose: Pose;
 }
 
+/** A spring by which somebody pulls a robot or an object. */
+export interface Pull {
+  /** Point at which it pulls, and place to which it pulls, m. */
+  from: Vector;
+  to: Vector;
+  /** N */
+  force: number;
+}
+
 export interface Frame {
   /** Simulated time, s. */
   time: number;
   robots: RobotState[];
   /** Objects in the world. An object of the map that is missing here was removed. */
   objects: ObjectState[];
+  /** None in a log: it has the lines that pulled. */
+  pulls: Pull[];
 }
 
 export interface Scan {
@@ -89,7 +100,10 @@ export function readMessage(bytes: ArrayBuffer): { frame: Frame } | { scan: Scan
   const { frame, scan, picture } = live.readMessage(new PbfReader(bytes), bytes.byteLength);
   if (frame) {
     const objects = frame.objects.map((it) => ({ number: it.object, pose: it.pose as Pose }));
-    return { frame: { time: frame.time, robots: frame.robots.map(readRobot), objects } };
+    const pulls = frame.pulls.map(({ line, force }) => {
+      return { from: line.slice(0, 3) as Vector, to: line.slice(3) as Vector, force };
+    });
+    return { frame: { time: frame.time, robots: frame.robots.map(readRobot), objects, pulls } };
   }
   if (scan) {
     const ranges = scan.ranges.map((range) => range / FULL_RANGE);

@@ -1,4 +1,4 @@
-/** Lines that somebody types: a client of the protocol that has no robot until its lines ask for one. */
+/** Lines that somebody sends by hand: a client of the protocol that has no robot until its lines ask for one. */
 
 import { loginLines } from './token';
 import type { Connection, Transport } from './transport';
@@ -11,6 +11,8 @@ export class Hand {
   constructor(
     private readonly transport: Transport,
     private readonly ended: (why: string) => void,
+    /** Lines that it begins with. */
+    private readonly first: readonly string[] = [],
   ) {}
 
   /** Sends a line, and connects before the first. */
@@ -20,7 +22,7 @@ export class Hand {
     this.connection ??= this.transport.open('wire', {
       opened: () => {
         // Without reports a wrong line would be answered by nothing.
-        this.waiting.unshift(...loginLines(), 'REPORT {Errors true}');
+        this.waiting.unshift(...loginLines(), 'REPORT {Errors true}', ...this.first);
         this.send();
       },
       // The list of lines shows what comes.

@@ -13,6 +13,7 @@ export interface Frame {
   time: number;
   robots: Robot[];
   objects: Placed[];
+  pulls: Pull[];
 }
 export function readFrame(pbf: PbfReader, end?: number): Frame;
 
@@ -46,6 +47,12 @@ export interface Placed {
   pose: number[];
 }
 export function readPlaced(pbf: PbfReader, end?: number): Placed;
+
+export interface Pull {
+  line: number[];
+  force: number;
+}
+export function readPull(pbf: PbfReader, end?: number): Pull;
 
 export interface Scan {
   robot: number;

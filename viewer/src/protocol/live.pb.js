@@ -13,12 +13,13 @@ export function readMessage(pbf, end) {
 }
 
 export function readFrame(pbf, end) {
-    const obj = {time: 0, robots: [], objects: []};
+    const obj = {time: 0, robots: [], objects: [], pulls: []};
     let field;
     while ((field = pbf.nextField(end))) {
         if (field === 1) obj.time = pbf.readDouble();
         else if (field === 2) obj.robots.push(readRobot(pbf, pbf.readVarint() + pbf.pos));
         else if (field === 3) obj.objects.push(readPlaced(pbf, pbf.readVarint() + pbf.pos));
+        else if (field === 4) obj.pulls.push(readPull(pbf, pbf.readVarint() + pbf.pos));
     }
     return obj;
 }
@@ -62,6 +63,16 @@ export function readPlaced(pbf, end) {
     while ((field = pbf.nextField(end))) {
         if (field === 1) obj.object = pbf.readVarint();
         else if (field === 2) pbf.readPackedFloat(obj.pose);
+    }
+    return obj;
+}
+
+export function readPull(pbf, end) {
+    const obj = {line: [], force: 0};
+    let field;
+    while ((field = pbf.nextField(end))) {
+        if (field === 1) pbf.readPackedFloat(obj.line);
+        else if (field === 2) obj.force = pbf.readFloat();
     }
     return obj;
 }

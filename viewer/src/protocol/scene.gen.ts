@@ -98,13 +98,21 @@ export type Solid = { name: string, shape: Shape, pose: [number, number, number,
 /**
  * Name of the material.
  */
-material: string, colour: [number, number, number], friction: number, };
+material: string, colour: [number, number, number], friction: number, 
+/**
+ * Mass of a movable object, kg.
+ */
+mass?: number, };
 
 export type Spawned = { number: number, name: string, shape: Shape, pose: [number, number, number, number, number, number, number], 
 /**
  * Name of the material.
  */
-material: string, colour: [number, number, number], friction: number, };
+material: string, colour: [number, number, number], friction: number, 
+/**
+ * Mass of a movable object, kg.
+ */
+mass?: number, };
 
 export type NamedPlace = { name: string, position: [number, number, number], 
 /**

@@ -9,7 +9,7 @@ export interface Manner {
   along?: THREE.Vector3;
 }
 
-export type LabelKind = 'robot' | 'start' | 'node' | 'object' | 'goal' | 'metres';
+export type LabelKind = 'pull' | 'robot' | 'start' | 'node' | 'object' | 'goal' | 'metres';
 
 interface Label {
   element: HTMLElement;
@@ -28,6 +28,7 @@ interface Label {
 
 /** Farther than so many metres it is not shown; the first is where it begins to fade. */
 const RANGE: Record<LabelKind, [number, number]> = {
+  pull: [60, 90],
   robot: [35, 60],
   start: [7, 11],
   node: [6, 9],
@@ -36,8 +37,24 @@ const RANGE: Record<LabelKind, [number, number]> = {
   metres: [60, 90],
 };
 /** Priority of labels that overlap. */
-const ORDER: Record<LabelKind, number> = { robot: 0, goal: 40, object: 60, start: 80, node: 120, metres: 200 };
-const HEIGHT: Record<LabelKind, number> = { robot: 18, start: 16, node: 16, object: 16, goal: 16, metres: 14 };
+const ORDER: Record<LabelKind, number> = {
+  pull: -1,
+  robot: 0,
+  goal: 40,
+  object: 60,
+  start: 80,
+  node: 120,
+  metres: 200,
+};
+const HEIGHT: Record<LabelKind, number> = {
+  pull: 16,
+  robot: 18,
+  start: 16,
+  node: 16,
+  object: 16,
+  goal: 16,
+  metres: 14,
+};
 /** Distance of a robot's name above its place, px. */
 const LEADER = 14;
 /** Distance of a number from its axis, px. */
@@ -50,6 +67,7 @@ export class Labels {
   private readonly labels = new Map<string, Label>();
   private size = { width: 1, height: 1 };
   readonly layers: Record<LabelKind, boolean> = {
+    pull: true,
     robot: true,
     start: true,
     node: true,
@@ -127,7 +145,7 @@ export class Labels {
       place.copy(label.place).applyMatrix4(camera.matrixWorldInverse);
       const depth = -place.z;
       const [fades, ends] = RANGE[label.kind];
-      const reach = label.kind === 'robot' || label.kind === 'metres' ? scale : 1;
+      const reach = label.kind === 'robot' || label.kind === 'metres' || label.kind === 'pull' ? scale : 1;
       const strength = 1 - Math.max(0, Math.min(1, (depth / reach - fades) / (ends - fades)));
       place.applyMatrix4(camera.projectionMatrix);
       const inside = Math.abs(place.x) < 1.05 && Math.abs(place.y) < 1.05;

@@ -6,6 +6,7 @@ import type { ObjectState } from '../protocol/frame';
 import type { Pose, Scene, Solid } from '../protocol/scene';
 import { type Decal, Decals } from './decals';
 import { drawnSolid, edgesOf } from './look';
+import type { Outlined } from './outline';
 import { moveTo, setPose } from './pose';
 import { merged, ownBounds, shapeGeometry } from './solid';
 import { type SurfaceName, type Surfaces, surfaceOf } from './surfaces';
@@ -87,6 +88,24 @@ export class MapView {
     for (const number of this.objects.keys()) if (!numbers.has(number)) this.remove(number);
     for (const { number, pose, solid } of known) moveTo(this.objectMesh(number, solid), pose);
     this.moving.set(known.flatMap(({ solid, pose }) => contactShadow(solid, pose, this.tops) ?? []));
+  }
+
+  /** Returns the object that a ray of the screen meets first, and how far away. */
+  meet(ray: THREE.Raycaster): { object: number; distance: number } | null {
+    let first: { object: number; distance: number } | null = null;
+    for (const [object, { mesh }] of this.objects) {
+      const distance = ray.intersectObject(mesh, false)[0]?.distance;
+      if (distance !== undefined && distance < (first?.distance ?? Infinity)) first = { object, distance };
+    }
+    return first;
+  }
+
+  /** Returns what an object's outline goes about: nothing if it is not there. */
+  outlined(number: number | null): Outlined[] {
+    const shown = number === null ? undefined : this.objects.get(number);
+    if (!shown) return [];
+    shown.mesh.updateMatrix();
+    return [{ part: shown, matrix: shown.mesh.matrix }];
   }
 
   dispose(): void {

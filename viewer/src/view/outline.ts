@@ -1,8 +1,6 @@
-/** A line of some pixels about a robot, also where something stands before it. */
+/** A line of some pixels about a robot or an object, also where something stands before it. */
 
 import * as THREE from 'three';
-import type { Instances } from './instances';
-import type { Placed } from './robot';
 
 /** Breadth of the line as a part of the robot: it is thinner about a robot that is small on the screen, and never finer than the pixels that are drawn. */
 const BREADTH = 2.4;
@@ -28,6 +26,12 @@ const FRAGMENT = `
     gl_FragColor = vec4(colour, 1.0);
     #include <colorspace_fragment>
   }`;
+
+/** A part and its place in the world. A part is the same one from frame to frame. */
+export interface Outlined {
+  part: { mesh: THREE.Mesh };
+  matrix: THREE.Matrix4;
+}
 
 export class Outline {
   readonly group = new THREE.Group();
@@ -62,7 +66,7 @@ export class Outline {
     stencilFunc: THREE.NotEqualStencilFunc,
     side: THREE.DoubleSide,
   });
-  private readonly parts = new Map<Instances, { mask: THREE.InstancedMesh; hull: THREE.InstancedMesh }>();
+  private readonly parts = new Map<Outlined['part'], { mask: THREE.InstancedMesh; hull: THREE.InstancedMesh }>();
 
   resize(width: number, height: number, ratio: number): void {
     this.uniforms.screen.value.set(width, height);
@@ -75,9 +79,9 @@ export class Outline {
   }
 
   /** About these parts, or about nothing. */
-  place(placed: Placed[], colour: string): void {
+  place(placed: Outlined[], colour: string): void {
     this.uniforms.colour.value.set(colour);
-    const counts = new Map<Instances, number>();
+    const counts = new Map<Outlined['part'], number>();
     for (const { part } of placed) counts.set(part, (counts.get(part) ?? 0) + 1);
     this.parts.forEach(({ mask, hull }, part) => {
       mask.count = hull.count = 0;
@@ -99,7 +103,7 @@ export class Outline {
     this.group.clear();
   }
 
-  private meshes(part: Instances, count: number): { mask: THREE.InstancedMesh; hull: THREE.InstancedMesh } {
+  private meshes(part: Outlined['part'], count: number): { mask: THREE.InstancedMesh; hull: THREE.InstancedMesh } {
     const known = this.parts.get(part);
     if (known && known.mask.instanceMatrix.count >= count) return known;
     if (known) this.group.remove(known.mask, known.hull);

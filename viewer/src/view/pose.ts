@@ -14,6 +14,13 @@ export function moveTo(object: THREE.Object3D, [x, y, z, i, j, k, w]: Pose): voi
   object.quaternion.set(i, j, k, w);
 }
 
+/** Returns a place of the world in the frame of a body. */
+export function ownPoint([x, y, z, i, j, k, w]: Pose, place: Vector): Vector {
+  const own = new THREE.Vector3(...place).sub(new THREE.Vector3(x, y, z));
+  own.applyQuaternion(new THREE.Quaternion(i, j, k, w).conjugate());
+  return [own.x, own.y, own.z];
+}
+
 /** Returns a place of the wire's frame on the stage, where z is up. */
 export function onStage([x, y, z]: Vector): THREE.Vector3 {
   return new THREE.Vector3(x, -y, -z);

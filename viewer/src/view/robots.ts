@@ -82,7 +82,7 @@ export class Robots {
       const entry = this.roster(state.id);
       const fleet = entry && this.fleet(entry.class);
       if (!fleet) return [];
-      return [{ state, name: entry.name || entry.class, colour: this.colours(state.id), fleet }];
+      return [{ state, name: entry.name || `${entry.class} #${state.id}`, colour: this.colours(state.id), fleet }];
     });
     for (const fleet of this.fleets.values()) {
       const own = this.known.filter((known) => known.fleet === fleet);

@@ -13,6 +13,7 @@ import { moved } from './moved';
 import { Outline } from './outline';
 import { type Layer, Overlay, mountOf } from './overlay';
 import { onStage } from './pose';
+import { Pulls } from './pulls';
 import type { Quality } from './quality';
 import { Robots, type Roster } from './robots';
 import { labelMap, labelMetres, labelObjects, labelRobots, labelStarts } from './signs';
@@ -32,6 +33,9 @@ const ROOM = 0.6;
 const LABEL_INTERVAL = 120;
 /** A picture is not started while so many are not done. */
 const MOST_BEHIND = 2;
+/** Lines about the object under the pointer, and about the chosen one. */
+const HOVERED = '#8fa3bd';
+const CHOSEN = '#f0a020';
 /** Rotation from a camera's axes (x right, y up, z back) to a sensor's (x ahead, y right, z down). */
 const CAMERA_IN_SENSOR = new THREE.Matrix4().makeBasis(
   new THREE.Vector3(0, 1, 0),
@@ -39,12 +43,16 @@ const CAMERA_IN_SENSOR = new THREE.Matrix4().makeBasis(
   new THREE.Vector3(-1, 0, 0),
 );
 
+/** What is at a point of the screen, and where, in the wire's frame. */
+export type Hit = ({ robot: number } | { object: number } | { ground: true }) & { place: Vector };
+
 interface World {
   scene: Scene;
   map: MapView;
   robots: Robots;
   overlay: Overlay;
   targets: Targets;
+  pulls: Pulls;
 }
 
 export class View {
@@ -54,6 +62,10 @@ export class View {
   private readonly gizmo: Gizmo;
   private readonly still: Still;
   private readonly outline = new Outline();
+  /** About the object under the pointer. */
+  private readonly hovering = new Outline();
+  private hovered: number | null = null;
+  private chosen: number | null = null;
   private readonly ghost = new Ghost();
   /** A robot of another run. */
   private readonly rival = new Ghost();
@@ -86,7 +98,7 @@ export class View {
         surfaceAt: (x, y) => this.surfaceAt(x, y),
         robot: () => this.lookedRobot(),
         robotsEye: () => this.robotsEye(),
-        hover: (x, y) => this.hover(this.robotAt(this.rayAt(x, y))),
+        hover: (x, y) => this.hover(this.pick(x, y)),
         leave: () => this.hover(null),
       },
       refresh,
@@ -111,8 +123,11 @@ export class View {
     this.world?.map.dispose();
     this.world?.overlay.dispose();
     this.world?.targets.dispose();
+    this.world?.pulls.dispose();
     this.world?.robots.dispose();
     this.outline.clear();
+    this.hovering.clear();
+    this.chosen = this.hovered = null;
     this.ghost.clear();
     this.rival.clear();
     this.labels.clear();
@@ -125,11 +140,19 @@ export class View {
       robots: new Robots(scene, this.stage.surfaces, this.roster, this.colours),
       overlay: new Overlay(this.colours),
       targets: new Targets(scene),
+      pulls: new Pulls(this.labels),
     };
     if (this.world) world.robots.selected = this.world.robots.selected;
     this.world = world;
     world.overlay.select(world.robots.selected);
-    const apart = [world.targets.group, this.outline.group, this.ghost.group, this.rival.group];
+    const apart = [
+      world.targets.group,
+      world.pulls.group,
+      this.outline.group,
+      this.hovering.group,
+      this.ghost.group,
+      this.rival.group,
+    ];
     this.stage.world.add(map.group, world.robots.group, world.overlay.group, ...apart);
     labelMap(this.labels, scene);
     labelObjects(this.labels, objectsOf(scene), this.catalogue);
@@ -151,7 +174,8 @@ export class View {
     const forces = this.shown.get('forces') === true;
     const drawn = this.drawnFrame;
     const turned = frame.time !== drawn?.time && this.world?.robots.spin === true;
-    if (drawn && !turned && !moved(drawn, frame, forces)) return;
+    const isPulled = frame.pulls.length > 0 || (drawn?.pulls.length ?? 0) > 0;
+    if (drawn && !turned && !isPulled && !moved(drawn, frame, forces)) return;
     this.stir();
     this.stage.renewShadows();
   }
@@ -235,6 +259,12 @@ export class View {
     this.stir();
   }
 
+  /** Draws a line about an object in place of the robot. */
+  chooseObject(number: number | null): void {
+    this.chosen = number;
+    this.stir();
+  }
+
   /** Holds a rung of quality, or lets it follow the time that a frame takes. */
   setQuality(quality: Quality | 'auto'): void {
     this.stage.ladder.set(quality);
@@ -256,12 +286,28 @@ export class View {
     this.stir();
   }
 
-  /** Returns the robot at a point of the screen by its number, or the place of the map in the wire's frame. */
-  pick(x: number, y: number): { robot: number } | { place: Vector } | null {
-    const robot = this.robotAt(this.rayAt(x, y));
-    if (robot !== null) return { robot };
-    const place = this.groundAt(x, y);
-    return place && { place };
+  /** Returns what is at a point of the screen. */
+  pick(x: number, y: number): Hit | null {
+    const ray = this.rayAt(x, y);
+    const [robot, object, ground] = [this.meet(ray), this.world?.map.meet(ray) ?? null, this.groundHit(ray)];
+    const first = Math.min(...[robot, object, ground].map((hit) => hit?.distance ?? Infinity));
+    if (first === Infinity) return null;
+    const { x: ahead, y: left, z: up } = ray.ray.at(first, new THREE.Vector3());
+    const place: Vector = [ahead, -left, -up];
+    if (robot?.distance === first) return { robot: robot.robot, place };
+    return object?.distance === first ? { object: object.object, place } : { ground: true, place };
+  }
+
+  /** Returns the point under a point of the screen at the height of a place, or upright above and below it; null beside it. */
+  pointAt(x: number, y: number, place: Vector, isUpright: boolean): Vector | null {
+    const { ray } = this.rayAt(x, y);
+    const through = onStage(place);
+    const normal = isUpright ? ray.origin.clone().sub(through).setZ(0).normalize() : new THREE.Vector3(0, 0, 1);
+    const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(normal, through);
+    const hit = ray.intersectPlane(plane, new THREE.Vector3());
+    // Near the horizon a pixel is many metres.
+    if (!hit || hit.distanceTo(through) > 4 * this.cameras.distance) return null;
+    return isUpright ? [through.x, -through.y, -hit.z] : [hit.x, -hit.y, -hit.z];
   }
 
   /** The ground at a point of the screen, whatever robot stands on it, in the wire's frame. */
@@ -363,7 +409,7 @@ export class View {
     this.labels.update(this.cameras.camera, this.cameras.distance);
   }
 
-  private place({ scene, map, robots, overlay }: World, frame: Frame): void {
+  private place({ scene, map, robots, overlay, pulls }: World, frame: Frame): void {
     const { x, y, z } = this.cameras.eye;
     const eye = new THREE.Vector3(x, -y, -z);
     robots.place(frame, eye);
@@ -372,16 +418,17 @@ export class View {
     overlay.place(frame, (id) => robots.classOf(id), eye);
     labelRobots(this.labels, robots);
     labelStarts(this.labels, scene, robots);
-    const selected = robots.find(robots.selected);
+    pulls.place(frame.pulls, eye, this.pixelsPerMetre(1));
+    this.hovering.place(map.outlined(this.hovered), HOVERED);
+    const chosen = map.outlined(this.chosen);
+    const selected = chosen.length > 0 ? null : robots.find(robots.selected);
     if (selected) {
       const [px, py, pz] = selected.state.pose;
       const distance = eye.distanceTo(new THREE.Vector3(px, py, pz));
       this.outline.suit(selected.fleet.size * this.pixelsPerMetre(Math.max(0.1, distance)));
     }
-    this.outline.place(
-      selected ? selected.fleet.parts(selected.state, eye, frame.time) : [],
-      this.colours(robots.selected ?? 0),
-    );
+    const parts = selected ? selected.fleet.parts(selected.state, eye, frame.time) : chosen;
+    this.outline.place(parts, selected ? this.colours(selected.state.id) : CHOSEN);
     this.drawnFrame = frame;
   }
 
@@ -397,6 +444,7 @@ export class View {
   /** Sets the size of what is drawn on: of the view, or of a part of it. */
   private setScreen(width: number, height: number, ratio: number): void {
     this.outline.resize(width, height, ratio);
+    this.hovering.resize(width, height, ratio);
     this.world?.overlay.resize(this.pixelsPerMetre(1), ratio);
   }
 
@@ -414,14 +462,6 @@ export class View {
 
   private groundHit(ray: THREE.Raycaster): THREE.Intersection | null {
     return this.world ? (ray.intersectObject(this.world.map.ground, true)[0] ?? null) : null;
-  }
-
-  /** The robot that a ray meets before the ground. */
-  private robotAt(ray: THREE.Raycaster): number | null {
-    const hit = this.meet(ray);
-    if (!hit) return null;
-    ray.far = hit.distance;
-    return this.groundHit(ray) ? null : hit.robot;
   }
 
   private meet(ray: THREE.Raycaster): { robot: number; distance: number } | null {
@@ -445,10 +485,13 @@ export class View {
     return kind !== 'metres' && this.groundHit(ray) !== null;
   }
 
-  private hover(robot: number | null): void {
-    if (!this.world || this.world.robots.hovered === robot) return;
+  private hover(hit: Hit | null): void {
+    const robot = hit && 'robot' in hit ? hit.robot : null;
+    const object = hit && 'object' in hit ? hit.object : null;
+    if (!this.world || (this.world.robots.hovered === robot && this.hovered === object)) return;
     this.world.robots.hovered = robot;
-    this.canvas.classList.toggle('over-robot', robot !== null);
+    this.hovered = object;
+    this.canvas.classList.toggle('over-thing', robot !== null || object !== null);
     this.stir();
   }
 
@@ -502,13 +545,15 @@ export class View {
   }
 
   private bodiless(): THREE.Object3D[] {
-    const { map, robots, overlay, targets } = this.world ?? {};
+    const { map, robots, overlay, targets, pulls } = this.world ?? {};
     const decals = [...(map?.decals ?? []), ...(robots ? [robots.decal] : []), ...(map ? [map.starts] : [])];
     return [
       ...decals,
       ...(overlay ? [overlay.group] : []),
       ...(targets ? [targets.group] : []),
+      ...(pulls ? [pulls.group] : []),
       this.outline.group,
+      this.hovering.group,
       this.ghost.group,
       this.rival.group,
     ];

@@ -4,10 +4,14 @@ use nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
 use scene::BodyState;
 use serde::{Deserialize, Serialize};
 
-/// Frequency of the spring with the body's whole mass, rad/s. What is lifted hangs 0.1 m below the hand.
+/// Frequency of the springs with the body's whole mass, rad/s. What is lifted hangs 0.1 m below the hand.
 const FREQUENCY: f64 = 10.0;
+/// Critical damping with the mass that the spring meets, 1/s.
+const DAMPING: f64 = 2.0 * FREQUENCY;
+/// Longest way over which the spring grows stronger, m. With its damping the body comes at 5 m/s at most.
+const MAX_WAY: f64 = 1.0;
 /// Largest acceleration that the spring gives, m/s²: enough to lift, and to throw.
-const MAX_ACCELERATION: f64 = 30.0;
+const MAX_ACCELERATION: f64 = 50.0;
 /// Largest angular acceleration of the spring that turns the body, rad/s².
 const MAX_TURNING: f64 = 100.0;
 /// Decrease of the turn of a body that swings below the hand, 1/s, and the most that its lever adds to its inertia then.
@@ -55,25 +59,23 @@ impl Spring {
         let Grasped { state: BodyState { pose, linear, angular }, centre, mass, inertia } = body;
         let point = (pose * Point3::from(self.grip)).coords;
         let velocity = linear + angular.cross(&(point - pose.translation.vector));
-        // A push far from the centre meets less than the whole mass, as it turns the body.
         let lever = (point - centre).cross_matrix();
-        let turning = inertia.try_inverse().map_or(0.0, |inverse| (lever.transpose() * inverse * lever).norm());
-        let share = 1.0 / (1.0 + mass * turning);
-        let acceleration = self.to.map_or_else(Vector3::zeros, |to| driven(&(to - point), &velocity, share, time_step));
-        let force = acceleration.cap_magnitude(MAX_ACCELERATION) * *mass;
+        let turning = inertia.try_inverse().map_or_else(Matrix3::zeros, |inverse| lever.transpose() * inverse * lever);
+        // A push far from the centre meets less than the whole mass, as it turns the body.
+        let met = (Matrix3::identity() / *mass + turning).try_inverse().unwrap_or_default();
+        let share = 1.0 / (1.0 + mass * turning.norm());
+        let force = self.to.map_or_else(Vector3::zeros, |to| {
+            let stiffness = (FREQUENCY * FREQUENCY).min(MOST_OF_WAY * share / (time_step * time_step));
+            let pull = (to - point).cap_magnitude(MAX_WAY) * stiffness * *mass;
+            (pull - met * velocity * DAMPING).cap_magnitude(MAX_ACCELERATION * mass)
+        });
         let turning = match self.turn {
             Some(turn) => {
                 let way = (turn * pose.rotation.inverse()).scaled_axis();
-                driven(&way, angular, 1.0, time_step).cap_magnitude(MAX_TURNING)
+                (way * FREQUENCY * FREQUENCY - angular * DAMPING).cap_magnitude(MAX_TURNING)
             }
             None => -angular * CALMING * (1.0 / share).min(MOST_INERTIA),
         };
         Tug { point, force, torque: inertia * turning }
     }
-}
-
-/// Returns the acceleration of a critically damped spring with a way to go, by the velocity. `share` is the part of the mass that it meets.
-fn driven(way: &Vector3<f64>, velocity: &Vector3<f64>, share: f64, time_step: f64) -> Vector3<f64> {
-    let stiffness = (FREQUENCY * FREQUENCY).min(MOST_OF_WAY * share / (time_step * time_step));
-    stiffness * way - 2.0 * FREQUENCY * share * velocity
 }

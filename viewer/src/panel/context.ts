@@ -1,0 +1,95 @@
+/** What can be done with a robot, an object or a place of the floor, as a menu. */
+
+import type { Vector } from '../protocol/scene';
+import type { State } from '../state';
+import type { CameraMode, Hit, View } from '../view/view';
+import { find } from './dom';
+import type { Hands, Thing } from './hands';
+import { type Item, showMenu } from './menu';
+
+/** Objects that are put on the floor: the server's classes, and their heights, m. */
+const OBJECTS = [
+  { name: 'a crate', objectClass: 'WCCrate', height: 0.5 },
+  { name: 'a blue crate', objectClass: 'WCCrateBlue', height: 0.5 },
+  { name: 'a pallet', objectClass: 'WCPallet', height: 0.144 },
+] as const;
+
+/** Uses of the menu's items. */
+interface Uses {
+  choose(thing: Thing): void;
+  look(mode: CameraMode): void;
+  spawnAt(place: Vector): void;
+  /** Removes what is chosen. */
+  remove(): void;
+}
+
+export class ContextMenu {
+  constructor(
+    private readonly state: State,
+    private readonly view: View,
+    private readonly hands: Hands,
+    private readonly uses: Uses,
+  ) {}
+
+  /** Opens it for what is at a point of the screen. */
+  open(hit: Hit, x: number, y: number): void {
+    if ('ground' in hit) {
+      const items = this.mayChange ? this.ofFloor(hit.place) : [];
+      if (items.length > 0) showMenu('Here', items, x, y);
+      return;
+    }
+    this.uses.choose(hit);
+    const name = 'robot' in hit ? this.state.nameOf(hit.robot) : (this.state.object(hit.object)?.name ?? '');
+    showMenu(name, [...('robot' in hit ? this.ofRobot() : this.ofObject(hit.object)), ...this.removal], x, y);
+  }
+
+  /** Opens it for what is chosen, in the middle of the view. */
+  openOfChosen(): void {
+    const { selected: robot, chosenObject: object } = this.state;
+    const place: Vector = [0, 0, 0];
+    const [x, y] = middle();
+    if (object !== null) this.open({ object, place }, x, y);
+    else if (robot !== null) this.open({ robot, place }, x, y);
+    else this.openOfMiddle();
+  }
+
+  /** Opens it for the floor in the middle of the view. */
+  openOfMiddle(): void {
+    const [x, y] = middle();
+    const place = this.view.groundAt(x, y);
+    if (place) this.open({ ground: true, place }, x, y);
+  }
+
+  /** True if this page may change what is in the world that it shows. */
+  private get mayChange(): boolean {
+    return this.state.isPresent && !this.state.isWatched;
+  }
+
+  private get removal(): Item[] {
+    return this.mayChange ? [{ name: 'Remove', run: () => this.uses.remove() }] : [];
+  }
+
+  private ofRobot(): Item[] {
+    return [
+      { name: 'Follow it', run: () => this.uses.look('follow') },
+      { name: 'Look from here', run: () => this.uses.look('robot') },
+      { name: 'Show it as large as there is room', run: () => this.view.fit(this.state.selected) },
+    ];
+  }
+
+  private ofObject(object: number): Item[] {
+    return [{ name: 'Look at it', run: () => this.view.lookAtObject(object) }];
+  }
+
+  private ofFloor(place: Vector): Item[] {
+    const put = OBJECTS.map(({ name, objectClass, height }) => {
+      return { name: `Put ${name} here`, run: () => this.hands.put(objectClass, height, place) };
+    });
+    return [{ name: 'Spawn a robot here', run: () => this.uses.spawnAt(place) }, ...put];
+  }
+}
+
+function middle(): [number, number] {
+  const { left, top, width, height } = find('canvas').getBoundingClientRect();
+  return [left + width / 2, top + height / 2];
+}

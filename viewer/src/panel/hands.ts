@@ -1,0 +1,127 @@
+/** Hands in the world: a drag pulls a thing by a spring, or moves it while time stands still. All goes over the wire. */
+
+import type { Pose, Vector } from '../protocol/scene';
+import { rollPitchYaw } from '../protocol/frame';
+import type { State } from '../state';
+import { ownPoint } from '../view/pose';
+
+/** Robot or object that somebody takes. */
+export type Thing = { robot: number } | { object: number };
+
+/** Least time between two lines, ms. */
+const INTERVAL = 40;
+/** Turn for a pixel, rad. */
+const TURN = 0.01;
+
+/** What is in the hand, since it was taken. */
+interface Taken {
+  name: string;
+  pose: Pose;
+  /** Place that was taken. */
+  place: Vector;
+  /** Point that was taken in the thing's own frame. */
+  grip: Vector;
+  isPaused: boolean;
+  /** True once a spring pulls it. */
+  isPulled: boolean;
+}
+
+export class Hands {
+  private taken: Taken | null = null;
+  private next: string | null = null;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(
+    private readonly state: State,
+    /** Sends a line of a world controller. */
+    private readonly send: (line: string) => void,
+  ) {}
+
+  /** Takes a thing at a place of the world. Returns false if it is not there. */
+  take(thing: Thing, place: Vector): boolean {
+    const pose = this.poseOf(thing);
+    const name = this.nameOf(thing);
+    if (!pose || name === null) return false;
+    const isPaused = this.state.status?.paused === true;
+    this.taken = { name, pose, place, grip: ownPoint(pose, place), isPaused, isPulled: false };
+    return true;
+  }
+
+  /** Pulls to a place; `turn` is a way of the pointer that turns about the vertical, px. */
+  pull(to: Vector, turn: number): void {
+    if (!this.taken) return;
+    const { name, pose, place, grip, isPaused } = this.taken;
+    const [roll, pitch, yaw] = rollPitchYaw(pose);
+    const rotation = `{Rotation ${numbers([roll, pitch, yaw + TURN * turn])}}`;
+    if (isPaused) {
+      const at: Vector = [0, 1, 2].map((axis) => (pose[axis] ?? 0) + (to[axis] ?? 0) - (place[axis] ?? 0)) as Vector;
+      return this.say(`CONTROL {Type AbsMove} {Name ${name}} {Location ${numbers(at)}} ${rotation}`);
+    }
+    this.taken.isPulled = true;
+    const line = `CONTROL {Type Pull} {Name ${name}} {Grip ${numbers(grip)}} {Location ${numbers(to)}}`;
+    this.say(turn === 0 ? line : `${line} ${rotation}`);
+  }
+
+  /** Puts a robot down on the floor at a place, upright, with its heading. */
+  putDown([x, y, z]: Vector): void {
+    if (!this.taken) return;
+    const { name, pose } = this.taken;
+    this.taken = null;
+    // A little above the floor, on which it is put down.
+    const at = `{Location ${numbers([x, y, z - 0.01])}} {Rotation ${numbers([0, 0, rollPitchYaw(pose)[2]])}}`;
+    this.send(`CONTROL {Type AbsMove} {Name ${name}} ${at}`);
+  }
+
+  /** Lets go. */
+  release(): void {
+    if (!this.taken) return;
+    const { name, isPulled } = this.taken;
+    this.taken = null;
+    this.flush();
+    if (isPulled) this.send(`CONTROL {Type Pull} {Name ${name}}`);
+  }
+
+  /** Puts a crate or another object of a class at a place of the floor. */
+  put(objectClass: string, height: number, [x, y, z]: Vector): void {
+    const names = new Set(this.state.objects.map((number) => this.state.object(number)?.name));
+    let count = 1;
+    while (names.has(`${objectClass}-${count}`)) count++;
+    const what = `{ClassName ${objectClass}} {Name ${objectClass}-${count}}`;
+    const where = `{Location ${numbers([x, y, z - height / 2 - 0.01])}}`;
+    this.send(`CONTROL {Type Create} ${what} ${where} {Physics RigidBody} {Permanent true}`);
+  }
+
+  /** Removes an object. */
+  remove(object: number): void {
+    const name = this.nameOf({ object });
+    if (name !== null) this.send(`CONTROL {Type Kill} {Name ${name}}`);
+  }
+
+  private nameOf(thing: Thing): string | null {
+    if ('object' in thing) return this.state.object(thing.object)?.name ?? null;
+    const robot = this.state.robot(thing.robot);
+    return robot && (robot.name || `#${robot.id}`);
+  }
+
+  private poseOf(thing: Thing): Pose | null {
+    if ('robot' in thing) return this.state.robotState(thing.robot)?.pose ?? null;
+    return this.state.frame?.objects.find(({ number }) => number === thing.object)?.pose ?? null;
+  }
+
+  /** Of lines that come faster than they are sent the last one counts. */
+  private say(line: string): void {
+    this.next = line;
+    this.timer ??= setTimeout(() => this.flush(), INTERVAL);
+  }
+
+  private flush(): void {
+    clearTimeout(this.timer);
+    this.timer = undefined;
+    if (this.next !== null) this.send(this.next);
+    this.next = null;
+  }
+}
+
+function numbers(vector: readonly number[]): string {
+  return vector.map((number) => number.toFixed(3)).join(',');
+}

@@ -1,0 +1,140 @@
+// Hands: objects and robots that are chosen, pulled, lifted, turned, put and removed.
+
+import assert from 'node:assert/strict';
+import { ABOVE, X, Y, pageTest, waitForView } from './pagetest.mjs';
+import { connectClient, until } from './server.mjs';
+
+const rough = { serve: ['--map', 'rough'] };
+const CRATE = 'CONTROL {Type Create} {ClassName WCCrate} {Name box} {Location 0,0,-0.26} {Physics RigidBody}';
+
+/** Puts a crate at the origin, seen from above. */
+async function crateFromAbove(page, server) {
+  const controller = await connectClient(server.port, 'INIT {ClassName WorldController}', CRATE);
+  await page.selectOption('#camera', 'top');
+  await waitForView(page, ABOVE);
+  await page.waitForSelector('[data-object]');
+  await page.click('[data-object]:text-is("box")');
+  return controller;
+}
+
+/** Pose of the chosen object as the tree writes it: x, y, z, m, roll, pitch, yaw, degrees. */
+function place(page) {
+  return page.evaluate(() => {
+    const numbers = document.querySelector('[data-place]')?.textContent.match(/-?\d+\.\d+/g) ?? [];
+    return numbers.slice(0, 6).map(Number);
+  });
+}
+
+/** Waits until the chosen object's pose fits: metres and degrees. */
+function waitForPlace(page, fits) {
+  return until(async () => {
+    const [x, y, z, roll, pitch, yaw] = await place(page);
+    return fits({ x, y, z, roll, pitch, yaw });
+  });
+}
+
+/** Middle of the view, where what is looked at is. */
+async function middle(page) {
+  const { x, y, width, height } = await page.locator('#canvas').boundingBox();
+  return [x + width / 2, y + height / 2];
+}
+
+pageTest('a chosen object shows its facts and is pulled by a spring', rough, async ({ page, server }) => {
+  const controller = await crateFromAbove(page, server);
+  await page.waitForSelector('.facts:has-text("5 kg, plywood")');
+  await waitForPlace(page, (at) => Math.abs(at.z + 0.25) < 0.01);
+  const [x, y] = await middle(page);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 90, y, { steps: 4 });
+  await page.waitForSelector('.view-label.pull:text-matches("^[0-9.]+ N$")', { state: 'attached' });
+  await waitForPlace(page, (at) => Math.hypot(at.x, at.y) > 0.2);
+  // Shift lifts it.
+  await page.keyboard.down('Shift');
+  await page.mouse.move(x + 90, y - 120, { steps: 4 });
+  await page.keyboard.up('Shift');
+  await page.mouse.up();
+  await page.waitForSelector('.view-label.pull', { state: 'detached' });
+  await waitForPlace(page, (at) => Math.abs(at.z + 0.25) < 0.01);
+  controller.end();
+});
+
+pageTest('an object is moved and turned exactly while time stands still', rough, async ({ page, server }) => {
+  const controller = await crateFromAbove(page, server);
+  await waitForPlace(page, (at) => Math.abs(at.z + 0.25) < 0.01);
+  await page.click('#pause');
+  await page.waitForSelector('#pause[aria-pressed=true]');
+  const [x, y] = await middle(page);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 80, y + 60, { steps: 4 });
+  await waitForPlace(page, (at) => Math.hypot(at.x, at.y) > 0.3);
+  await page.keyboard.down('Control');
+  await page.mouse.move(x + 180, y + 60, { steps: 4 });
+  // 100 pixels are a radian.
+  await waitForPlace(page, (at) => Math.abs(at.yaw - 57.3) < 0.1);
+  await page.keyboard.up('Control');
+  await page.mouse.up();
+  const put = await place(page);
+  assert.ok(Math.abs(put[2] + 0.25) < 0.01, put.join());
+  await page.click('#pause');
+  await page.waitForSelector('#pause[aria-pressed=false]');
+  await page.waitForTimeout(300);
+  const after = await place(page);
+  assert.ok(
+    after.every((number, at) => Math.abs(number - put[at]) < 0.02),
+    `${put} and ${after}`,
+  );
+  controller.end();
+});
+
+pageTest('a robot without a name that somebody else drives is pulled', rough, async ({ page, server }) => {
+  const driver = await connectClient(server.port, 'INIT {ClassName USARBot.P3AT} {Location 0,0,-0.2}');
+  await page.waitForSelector('[data-robot]', { state: 'attached' });
+  await page.selectOption('#camera', 'top');
+  await waitForView(page, ABOVE);
+  const [x, y] = await middle(page);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 150, y, { steps: 5 });
+  await page.waitForFunction(
+    ([x, y]) => Math.hypot(...[x, y].map((place) => Number(document.querySelector(place)?.textContent ?? 0))) > 0.2,
+    [X, Y],
+  );
+  await page.mouse.up();
+  driver.end();
+});
+
+pageTest('a menu puts a crate on the floor and removes it, by keys alone', rough, async ({ page }) => {
+  await page.keyboard.press('Control+k');
+  await page.fill('dialog input', 'put something');
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('#menu');
+  await page.keyboard.press('ArrowDown');
+  assert.equal(await page.evaluate(() => document.activeElement.textContent), 'Put a crate here');
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('[data-object]:text-is("WCCrate-1")');
+  await page.focus('[data-object]:text-is("WCCrate-1")');
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('.facts');
+  await page.keyboard.press('u');
+  await page.waitForSelector('#menu[aria-label=WCCrate-1]');
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('#menu', { state: 'detached' });
+  await page.keyboard.press('u');
+  await page.keyboard.press('ArrowUp');
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('[data-object]', { state: 'detached' });
+});
+
+pageTest('a right click on the floor offers what can be put there', rough, async ({ page }) => {
+  const [x, y] = await middle(page);
+  await page.mouse.click(x, y, { button: 'right' });
+  await page.click('#menu button:text-is("Put a pallet here")');
+  // It is drawn, too.
+  await page.waitForSelector('.view-label.object:text-is("WCPallet-1")', { state: 'attached' });
+  await page.mouse.click(x, y, { button: 'right' });
+  await page.waitForSelector('#menu[aria-label=WCPallet-1]');
+  await page.mouse.click(5, 5);
+  await page.waitForSelector('#menu', { state: 'detached' });
+});
