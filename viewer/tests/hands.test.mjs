@@ -4,7 +4,8 @@ import assert from 'node:assert/strict';
 import { ABOVE, X, Y, pageTest, waitForView } from './pagetest.mjs';
 import { connectClient, until } from './server.mjs';
 
-const rough = { serve: ['--map', 'rough'] };
+// The camera jumps, so that nothing moves away under the pointer.
+const rough = { serve: ['--map', 'rough'], page: { reducedMotion: 'reduce' } };
 const CRATE = 'CONTROL {Type Create} {ClassName WCCrate} {Name box} {Location 0,0,-0.26} {Physics RigidBody}';
 
 /** Puts a crate at the origin, seen from above. */
@@ -33,6 +34,19 @@ function waitForPlace(page, fits) {
   });
 }
 
+/** Presses the button on a thing in the middle of the view, once that is there. */
+async function take(page) {
+  const [x, y] = await middle(page);
+  await until(async () => {
+    // A pointer that does not move hovers over nothing.
+    await page.mouse.move(x + 1, y);
+    await page.mouse.move(x, y);
+    return page.evaluate(() => document.querySelector('canvas.over-thing') !== null);
+  }, 'something is in the middle');
+  await page.mouse.down();
+  return [x, y];
+}
+
 /** Middle of the view, where what is looked at is. */
 async function middle(page) {
   const { x, y, width, height } = await page.locator('#canvas').boundingBox();
@@ -43,9 +57,7 @@ pageTest('a chosen object shows its facts and is pulled by a spring', rough, asy
   const controller = await crateFromAbove(page, server);
   await page.waitForSelector('.facts:has-text("5 kg, plywood")');
   await waitForPlace(page, (at) => Math.abs(at.z + 0.25) < 0.01);
-  const [x, y] = await middle(page);
-  await page.mouse.move(x, y);
-  await page.mouse.down();
+  const [x, y] = await take(page);
   await page.mouse.move(x + 90, y, { steps: 4 });
   await page.waitForSelector('.view-label.pull:text-matches("^[0-9.]+ N$")', { state: 'attached' });
   await waitForPlace(page, (at) => Math.hypot(at.x, at.y) > 0.2);
@@ -64,9 +76,7 @@ pageTest('an object is moved and turned exactly while time stands still', rough,
   await waitForPlace(page, (at) => Math.abs(at.z + 0.25) < 0.01);
   await page.click('#pause');
   await page.waitForSelector('#pause[aria-pressed=true]');
-  const [x, y] = await middle(page);
-  await page.mouse.move(x, y);
-  await page.mouse.down();
+  const [x, y] = await take(page);
   await page.mouse.move(x + 80, y + 60, { steps: 4 });
   await waitForPlace(page, (at) => Math.hypot(at.x, at.y) > 0.3);
   await page.keyboard.down('Control');
@@ -93,12 +103,10 @@ pageTest('a robot without a name that somebody else drives is pulled', rough, as
   await page.waitForSelector('[data-robot]', { state: 'attached' });
   await page.selectOption('#camera', 'top');
   await waitForView(page, ABOVE);
-  const [x, y] = await middle(page);
-  await page.mouse.move(x, y);
-  await page.mouse.down();
+  const [x, y] = await take(page);
   await page.mouse.move(x + 150, y, { steps: 5 });
   await page.waitForFunction(
-    ([x, y]) => Math.hypot(...[x, y].map((place) => Number(document.querySelector(place)?.textContent ?? 0))) > 0.2,
+    ([x, y]) => Math.hypot(...[x, y].map((place) => Number(document.querySelector(place)?.textContent ?? 0))) > 0.05,
     [X, Y],
   );
   await page.mouse.up();

@@ -37,10 +37,13 @@ test('a robot has every number of its message', () => {
     contact_slips: [0, 0, 0, 10000, -5000, 0],
     contact_shares: [0, 100],
   };
-  const { frame } = read({ frame: { time: 2.5, robots: [robot], objects: [] } });
+  const { frame } = read({
+    frame: { time: 2.5, robots: [robot], objects: [], pulls: [{ line: [1, 2, 3, 4, 5, 6], force: 7.5 }] },
+  });
   assert.deepEqual(frame, {
     time: 2.5,
     objects: [],
+    pulls: [{ from: [1, 2, 3], to: [4, 5, 6], force: 7.5 }],
     robots: [
       {
         id: 3_000_000_000,

@@ -38,7 +38,7 @@ test('a frame names its objects by their numbers', () => {
     { number: 1, pose: [0.5, -2, 0.25, ...UPRIGHT] },
     { number: 3_000_000_000, pose: [8, 0, 0, 1, 0, 0, 0] },
   ];
-  assert.deepEqual(readMessage(frameBytes(2.5, objects)), { frame: { time: 2.5, robots: [], objects } });
+  assert.deepEqual(readMessage(frameBytes(2.5, objects)), { frame: { time: 2.5, robots: [], objects, pulls: [] } });
   assert.deepEqual(readMessage(frameBytes(2.5, [])).frame.objects, []);
 });
 
