@@ -1,14 +1,26 @@
-/** The frames of the last minute, so that one can look back while the world goes on. */
+/** Frames of the run, so that one can look back while the world goes on: the last minute whole, and the rest in steps that grow. */
 
 import { type Frame, readMessage } from './protocol/frame';
 
-/** Frames that are kept: a minute of 30 a second. */
-const KEPT = 1800;
+/** Newest frames that are all kept: a minute of 30 a second. */
+const WHOLE = 1800;
+/** Most frames that are kept. */
+const KEPT = 5400;
 /** Bytes that they may take together: fewer are kept of a world with many robots. */
 const MOST_BYTES = 64 << 20;
 
+/** Frames are dropped until so many of them are left, so that it is done seldom. */
+const ENOUGH = 0.8;
+
+interface Kept {
+  time: number;
+  bytes: ArrayBuffer;
+}
+
 export class History {
-  private frames: { time: number; bytes: ArrayBuffer }[] = [];
+  private frames: Kept[] = [];
+  /** Time between two old frames, s. */
+  private step = 0.05;
   private bytes = 0;
 
   add(time: number, bytes: ArrayBuffer): void {
@@ -18,13 +30,35 @@ export class History {
     if (time < last) this.clear();
     this.frames.push({ time, bytes });
     this.bytes += bytes.byteLength;
-    while (this.frames.length > KEPT || this.bytes > MOST_BYTES)
-      this.bytes -= this.frames.shift()?.bytes.byteLength ?? 0;
+    while (this.frames.length > 2 && (this.frames.length > KEPT || this.bytes > MOST_BYTES)) this.thin();
+  }
+
+  /** Keeps fewer frames of the time before the last minute, or before the newest half where a minute is too much. */
+  private thin(): void {
+    let thinner = this.apart();
+    // What has become old since was thinned as before: that is not enough for long.
+    if (thinner.length > ENOUGH * this.frames.length) {
+      this.step *= 2;
+      thinner = this.apart();
+    }
+    this.frames = thinner;
+    this.bytes = thinner.reduce((sum, { bytes }) => sum + bytes.byteLength, 0);
+  }
+
+  /** Returns the new frames, and old ones that are a step apart. */
+  private apart(): Kept[] {
+    const old = this.frames.length - Math.min(WHOLE, this.frames.length >> 1);
+    let last = -Infinity;
+    return this.frames.filter(({ time }, index) => {
+      const isKept = index >= old || time >= last + this.step;
+      if (isKept) last = time;
+      return isKept;
+    });
   }
 
   clear(): void {
     this.frames = [];
-    this.bytes = 0;
+    [this.bytes, this.step] = [0, 0.05];
   }
 
   /** First and last time that can be looked at, s. */

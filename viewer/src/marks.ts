@@ -9,10 +9,26 @@ export interface Mark {
   what: string;
 }
 
+/** Time in which the world was slower than it was asked to be, s. */
+export interface Late {
+  from: number;
+  to: number;
+  /** Least real-time factor. */
+  factor: number;
+}
+
+/** Part of the requested speed that counts as reached. */
+const ENOUGH = 0.9;
+/** Times that are nearer to each other are one, s. */
+const GAP = 1.5;
+/** Most times that are kept. */
+const MOST_LATE = 200;
+
 export type Seen = Pick<Status, 'robots' | 'resets' | 'saves' | 'recording'>;
 
 export class Marks {
   list: Mark[] = [];
+  late: Late[] = [];
   private before: Seen | null = null;
 
   /** Compares the world with how it was before. */
@@ -22,6 +38,7 @@ export class Marks {
     if (!before) return;
     if (now.resets !== before.resets) {
       this.list = [{ time: 0, kind: 'world', what: 'The world was reset' }];
+      this.late = [];
       return;
     }
     const missing = (one: Seen, other: Seen) =>
@@ -34,8 +51,17 @@ export class Marks {
     }
   }
 
+  /** Notes whether the world keeps the speed that it was asked for. */
+  takePace(time: number, { paused, speed, real_time_factor: factor }: Status): void {
+    if (paused || speed === 0 || time === 0 || factor >= ENOUGH * speed) return;
+    const last = this.late.at(-1);
+    if (last && time - last.to < GAP * speed) [last.to, last.factor] = [time, Math.min(last.factor, factor)];
+    // The factor is that of the last half second.
+    else this.late = [...this.late, { from: Math.max(0, time - factor / 2), to: time, factor }].slice(-MOST_LATE);
+  }
+
   clear(): void {
-    [this.list, this.before] = [[], null];
+    [this.list, this.before, this.late] = [[], null, []];
   }
 
   private add(time: number, kind: Mark['kind'], what: string): void {

@@ -1,8 +1,8 @@
-/** Choice of the shown moment: the server's present, the last minute, or a log. */
+/** Choice of the shown moment: the server's present, the run so far, or a log. */
 
 import { History } from './history';
 import { LogFile, Player } from './log';
-import { type Mark, Marks } from './marks';
+import { type Late, type Mark, Marks } from './marks';
 import type { Frame, Picture, Scan } from './protocol/frame';
 import type { Status, WireLine } from './protocol/live';
 import type { Scene, Solid, Spawned } from './protocol/scene';
@@ -134,6 +134,7 @@ export class Playback {
     this.live.status = status;
     // The first status may come before the first frame. It is what later ones are compared with.
     this.presentMarks.take(this.live.frame?.time ?? 0, status);
+    this.presentMarks.takePace(this.live.frame?.time ?? 0, status);
     if (this.mode !== 'log') this.screen.status(status);
   }
 
@@ -168,12 +169,17 @@ export class Playback {
     return (this.player ? this.logMarks : this.presentMarks).list.filter(({ time }) => time >= first - BEFORE);
   }
 
+  /** Times in which the world was slower than it was asked to be. A log has none. */
+  get late(): readonly Late[] {
+    return this.player ? [] : this.presentMarks.late;
+  }
+
   /** The file that is shown. */
   get logName(): string | null {
     return this.player ? this.name : null;
   }
 
-  /** About so many frames of the last minute, or those that have been read of a log. */
+  /** About so many frames of the run so far, or those that have been read of a log. */
   past(count: number): Frame[] {
     return this.player ? this.samples : this.history.sample(count);
   }

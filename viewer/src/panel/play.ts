@@ -20,7 +20,10 @@ export class PlayBar {
   private readonly step = find<HTMLButtonElement>('step');
   private readonly fastest = make('option', { value: '0' }, 'fastest');
   private readonly past = find('past');
-  private readonly timeline = new TimeLine((time) => this.playback.goTo(time));
+  private readonly timeline = new TimeLine(
+    (time) => this.playback.goTo(time),
+    () => (this.playback.logName === null ? this.playback.goLive() : this.playback.goTo(this.playback.range[1])),
+  );
   /** Request to the server, and the button's text. */
   private readonly controls = [this.pause, this.step, this.record, this.save, this.reset].map(
     (button) => [button, button.title] as const,
@@ -55,13 +58,14 @@ export class PlayBar {
     const { frame } = this.state;
     if (!frame) return;
     setText(find('time'), frame.time.toFixed(3));
-    this.timeline.update(frame.time, this.playback.range, this.playback.marks);
+    this.timeline.update(frame.time, this.playback.range, this.playback.marks, this.playback.late);
   }
 
   update(): void {
     const { status } = this.state;
     const { mode, isPaused, logName, rate } = this.playback;
     this.past.hidden = mode === 'live';
+    find('timeline').toggleAttribute('data-live', mode === 'live');
     const shown = logName === null ? 'the past' : `the log ${logName}`;
     setText(this.past.firstElementChild as HTMLElement, `You are looking at ${shown}. Keys do not drive.`);
     if (!status) return;

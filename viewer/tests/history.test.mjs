@@ -1,0 +1,59 @@
+// The run so far, kept in the page: which frames stay, and when the world was too slow.
+
+import assert from 'node:assert/strict';
+import { join } from 'node:path';
+import { test } from 'node:test';
+import { runnerImport } from 'vite';
+import { frameBytes } from './messages.mjs';
+import { root } from './server.mjs';
+
+const { History } = (await runnerImport(join(root, 'viewer/src/history.ts'))).module;
+const { Marks } = (await runnerImport(join(root, 'viewer/src/marks.ts'))).module;
+
+test('the whole run can be looked at, the last minute frame by frame', () => {
+  const history = new History();
+  const seconds = 1200;
+  for (let frame = 0; frame <= 30 * seconds; frame++) history.add(frame / 30, frameBytes(frame / 30));
+  assert.deepEqual(history.range, [0, seconds]);
+  for (let frame = 30 * (seconds - 60) + 1; frame <= 30 * seconds; frame++) {
+    assert.equal(history.at(frame / 30).time, frame / 30);
+  }
+  for (let time = 0; time < seconds; time += 7.3) assert.ok(time - history.at(time).time < 3, `${time} s`);
+  const kept = history.sample(1e9).length;
+  assert.ok(kept > 3000 && kept <= 5400, `${kept} frames`);
+});
+
+test('a world with huge frames keeps what fits', () => {
+  const history = new History();
+  for (let frame = 0; frame < 400; frame++) {
+    history.add(
+      frame,
+      frameBytes(
+        frame,
+        Array.from({ length: 8000 }, (_, number) => ({ number, pose: [0, 0, 0, 0, 0, 0, 1] })),
+      ),
+    );
+  }
+  assert.deepEqual(history.range, [0, 399]);
+  assert.ok(history.sample(1e9).length < 260);
+});
+
+test('times in which the world was slower than asked for are noted', () => {
+  const marks = new Marks();
+  const pace = (time, real_time_factor, speed = 1, paused = false) =>
+    marks.takePace(time, { real_time_factor, speed, paused });
+  pace(1, 1);
+  pace(2, 0.95);
+  pace(3, 0.6);
+  pace(3.5, 0.4);
+  pace(6, 1);
+  pace(9, 0.8);
+  pace(12, 1, 2);
+  pace(13, 0.1, 0);
+  pace(14, 0, 1, true);
+  assert.deepEqual(marks.late, [
+    { from: 2.7, to: 3.5, factor: 0.4 },
+    { from: 8.6, to: 9, factor: 0.8 },
+    { from: 11.5, to: 12, factor: 1 },
+  ]);
+});
