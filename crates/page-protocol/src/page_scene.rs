@@ -158,6 +158,17 @@ page_types! {
         objects: Vec<Solid<'a>>,
         starts: Vec<NamedPlace<'a>>,
         path_nodes: Vec<NamedPlace<'a>>,
+        sights: Vec<Sight<'a>>,
+    }
+
+    /// A part of the map beside solids and objects, for lists.
+    struct Sight<'a> {
+        #[cfg_attr(test, ts(type = "'Victims' | 'Conveyors' | 'Smoke' | 'Sounds' | 'Tags'"))]
+        kind: &'a str,
+        name: Cow<'a, str>,
+        position: [f64; 3],
+        /// Description in a few words.
+        about: String,
     }
 
     struct Solid<'a> {
@@ -381,7 +392,34 @@ fn map(map: &MapDef) -> Map<'_> {
         objects: map.objects.iter().map(object_solid).collect(),
         starts: map.starts.iter().map(named).collect(),
         path_nodes: map.path_nodes.iter().map(named).collect(),
+        sights: sights(map),
     }
+}
+
+/// Lists what a map has beside solids and objects.
+fn sights(map: &MapDef) -> Vec<Sight<'_>> {
+    fn sight<'a>(kind: &'a str, name: impl Into<Cow<'a, str>>, position: [f64; 3], about: String) -> Sight<'a> {
+        Sight { kind, name: name.into(), position, about }
+    }
+    let victims = map.victims.iter().map(|it| {
+        let moves = if it.moves { "moves" } else { "lies still" };
+        sight("Victims", &it.name, it.position, format!("{moves}, CO2 {}", it.co2))
+    });
+    let conveyors = map.conveyors.iter().filter_map(|it| {
+        let belt = map.solids.get(it.solid)?;
+        let speed = it.velocity.iter().map(|part| part * part).sum::<f64>().sqrt();
+        Some(sight("Conveyors", &belt.name, belt.position, format!("{speed:.2} m/s")))
+    });
+    let smoke = map.smoke.iter().map(|it| {
+        let [x, y, z] = it.size;
+        sight("Smoke", &it.name, it.position, format!("{x} x {y} x {z} m, density {} per m", it.density))
+    });
+    let sounds = map
+        .sounds
+        .iter()
+        .map(|it| sight("Sounds", &it.name, it.position, format!("volume {}, every {} s", it.volume, it.interval)));
+    let tags = map.tags.iter().map(|it| sight("Tags", it.id.to_string(), it.position, "RFID".to_owned()));
+    victims.chain(conveyors).chain(smoke).chain(sounds).chain(tags).collect()
 }
 
 fn league<'a>(rules: &'a scene::League, map: &MapDef) -> League<'a> {

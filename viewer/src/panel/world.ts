@@ -3,7 +3,8 @@
 import { rollPitchYaw } from '../protocol/frame';
 import type { State } from '../state';
 import { type Group, type Value, valuesOf } from '../values';
-import { find, fixed, make, setText } from './dom';
+import type { Vector } from '../protocol/scene';
+import { find, fixed, make, remember, remembered, setText } from './dom';
 import type { Pictures } from './pictures';
 
 /** Student2 is before Student10. */
@@ -13,6 +14,7 @@ const BY_NAME = new Intl.Collator('en', { numeric: true });
 export interface WorldActions {
   select: (robot: number) => void;
   chooseObject: (number: number) => void;
+  lookAt: (place: Vector) => void;
   isPlotted: (robot: number, key: string) => boolean;
   plot: (robot: number, value: Value) => void;
   /** Other robots show their values than before. */
@@ -154,13 +156,34 @@ export class WorldPanel {
     });
     const viewers = status?.viewers ?? 0;
     const pages = viewers === 1 ? 'Only this page is open.' : `${viewers} pages are open, including this one.`;
+    const none = make('li', { class: 'quiet' }, 'None');
     this.rest.replaceChildren(
-      ...(objects.length > 0 ? [heading('Objects'), make('ul', { class: 'tree' }, ...objects)] : []),
-      heading('Clients'),
-      make('ul', { class: 'tree' }, ...(clients.length > 0 ? clients : [make('li', { class: 'quiet' }, 'None')])),
+      ...section('Objects', objects, true),
+      ...this.sights(),
+      ...section('Clients', clients.length > 0 ? clients : [none], true),
       ...(viewers > 0 ? [make('p', { class: 'quiet' }, pages)] : []),
     );
     if (objectInFocus) this.rest.querySelector<HTMLElement>(`[data-object="${objectInFocus}"]`)?.focus();
+  }
+
+  /** Returns what the map has beside solids and objects, and the places of goals; a click looks there. */
+  private sights(): HTMLElement[] {
+    const { map, league } = this.state.scene ?? {};
+    const goals = (league?.targets ?? []).map(({ name, position, size, radius }) => {
+      const about = size ? `${size.join(' x ')} m` : `within ${radius} m`;
+      return { kind: 'Goals', name, position, about };
+    });
+    const all = [...(map?.sights ?? []), ...goals];
+    return [...new Set(all.map(({ kind }) => kind))].flatMap((kind) => {
+      const items = all
+        .filter((sight) => sight.kind === kind)
+        .map(({ name, position, about }) => {
+          const button = make('button', { class: 'leaf', 'data-sight': name }, name, make('small', {}, about));
+          button.onclick = () => this.actions.lookAt(position);
+          return make('li', {}, button);
+        });
+      return section(kind, items, false);
+    });
   }
 
   private robot(id: number): HTMLElement {
@@ -229,4 +252,16 @@ export class WorldPanel {
 
 function heading(text: string): HTMLElement {
   return make('h2', {}, text);
+}
+
+/** Returns a list that is opened by its title, and stays so from visit to visit; nothing for an empty one. */
+function section(title: string, items: HTMLElement[], isOpen: boolean): HTMLElement[] {
+  if (items.length === 0) return [];
+  const key = `section.${title}`;
+  const count = make('small', { class: 'quiet' }, String(items.length));
+  const details = make('details', { class: 'section' }, make('summary', {}, heading(title), count));
+  details.open = (remembered(key) ?? String(isOpen)) === 'true';
+  details.ontoggle = () => remember(key, String(details.open));
+  details.append(make('ul', { class: 'tree' }, ...items));
+  return [details];
 }

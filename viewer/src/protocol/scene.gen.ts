@@ -92,7 +92,13 @@ robots: Array<string>, solids: Array<Solid>,
 /**
  * Solids that are only seen, without edges and shadows.
  */
-markings: Array<Solid>, objects: Array<Solid>, starts: Array<NamedPlace>, path_nodes: Array<NamedPlace>, };
+markings: Array<Solid>, objects: Array<Solid>, starts: Array<NamedPlace>, path_nodes: Array<NamedPlace>, sights: Array<Sight>, };
+
+export type Sight = { kind: 'Victims' | 'Conveyors' | 'Smoke' | 'Sounds' | 'Tags', name: string, position: [number, number, number], 
+/**
+ * Description in a few words.
+ */
+about: string, };
 
 export type Solid = { name: string, shape: Shape, pose: [number, number, number, number, number, number, number], 
 /**

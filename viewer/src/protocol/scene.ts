@@ -11,6 +11,7 @@ export type {
   ScenarioCard,
   Scene,
   Sensor,
+  Sight,
   Solid,
   Spawned,
   Wheel,
