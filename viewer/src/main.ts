@@ -7,7 +7,7 @@ import { Board } from './panel/board';
 import { showCommands, showKeys } from './panel/commands';
 import { ContextMenu } from './panel/context';
 import { askToken } from './panel/dialog';
-import { find, remember, remembered, save, setText } from './panel/dom';
+import { find, remember, remembered, setText } from './panel/dom';
 import { Door } from './panel/door';
 import { DrivePanel } from './panel/drive';
 import { Hands, type Thing } from './panel/hands';
@@ -22,12 +22,14 @@ import { Pictures } from './panel/pictures';
 import { PlayBar, othersAgree } from './panel/play';
 import { PlotsPanel } from './panel/plots';
 import { Pointer } from './panel/pointer';
+import { Sharing } from './panel/share';
 import { suggestions } from './panel/suggest';
 import { Toasts } from './panel/toasts';
 import { Tools } from './panel/tools';
 import { Welcome } from './panel/welcome';
 import { WirePanel } from './panel/wire';
 import { WorldPanel } from './panel/world';
+import { type Link, readLink } from './link';
 import { Playback } from './playback';
 import type { Frame } from './protocol/frame';
 import { Hand } from './protocol/hand';
@@ -51,6 +53,11 @@ const PLOT_PAST = 600;
 const transport: Transport = network;
 const state = new State();
 let connected = false;
+/** What the page's address asks for, until it is shown. */
+let link = readLink(location.hash);
+let isMapAsked = false;
+/** The moment of a log that a link asks for, until that log is opened. */
+let moment: Link['log'] = null;
 
 const view = new View(
   find<HTMLCanvasElement>('canvas'),
@@ -77,6 +84,10 @@ const playback = new Playback(transport.sceneOfLog, {
   },
   changed() {
     state.isPresent = playback.mode === 'live';
+    if (moment && playback.logName === moment.name) {
+      playback.goTo(moment.time);
+      moment = null;
+    }
     play.update();
     drive.updateMode();
     welcome.update();
@@ -142,6 +153,7 @@ const drive = new DrivePanel(
   (robotClass) => live.classOf(robotClass),
   transport,
 );
+const sharing = new Sharing(state, view, playback, say);
 const board = new Board(state);
 const mission = new Mission(state, {
   enter: enterScenario,
@@ -234,6 +246,7 @@ const world = new WorldPanel(
       choose({ object: number });
       view.lookAtObject(number);
     },
+    lookAt: (place) => view.lookAtPlace(place),
     isPlotted: (robot, key) => plots.has(robot, key),
     plot(robot, value) {
       plots.toggle(robot, value);
@@ -303,9 +316,31 @@ function showStatus(status: Status): void {
   board.update();
   mission.update();
   welcome.update();
+  if (link) followLink(link, status);
   if (!entering?.isHere) return;
   entering = null;
   enterScenario();
+}
+
+/** Shows what the page's address asks for: another map first, then robots where none are, and the camera. */
+function followLink({ map, robots, camera, log }: Link, status: Status): void {
+  const { scene } = state;
+  if (!scene || !state.isPresent) return;
+  const mayAct = !whyRefused() && scene.league === null && status.robots.length === 0;
+  if (mayAct && map !== null && map !== scene.map.name && scene.maps.some(({ name }) => name === map)) {
+    if (!isMapAsked) live.control({ map });
+    // The status of the other map comes later.
+    isMapAsked = true;
+    return;
+  }
+  link = null;
+  if (camera) view.setViewpoint(camera);
+  if (log) say(`Drop ${log.name} here to see it at ${log.time.toFixed(1)} s`);
+  moment = log;
+  if (!mayAct) return;
+  robots.forEach(({ robotClass, location, yaw }, index) => {
+    drive.spawn({ robotClass, name: `Robot${index + 1}`, place: { location, yaw }, team: null });
+  });
 }
 
 function showFrame(frame: Frame): void {
@@ -385,12 +420,6 @@ function setTheme(dark: boolean): void {
   remember('theme', dark ? 'dark' : 'light');
 }
 
-async function savePicture(): Promise<void> {
-  const picture = await view.screenshot();
-  const { frame, scene } = state;
-  if (picture) save(picture, `usarsim-${scene?.map.name ?? 'world'}-${(frame?.time ?? 0).toFixed(1)}s.png`);
-}
-
 const showTab = buildTabs((tab) => live.listenToWire(tab === 'wire'));
 const showSheet = buildSheets(showTab, showPlots);
 buildSplitters();
@@ -425,6 +454,7 @@ const actions: Action[] = [
   { name: 'Put something in the middle of the view', drives: true, run: () => menu.openOfMiddle() },
   { name: 'Score board of a league: large or small', key: 'b', shown: 'B', run: () => board.toggle() },
   { name: 'Save the picture as PNG', run: press('screenshot') },
+  { name: 'Share: a link, a picture of any size, a clip', run: press('share') },
   { name: 'Clear the paths', run: () => view.clearPaths() },
   { name: 'Light or dark', run: press('theme') },
   { name: 'Full screen', run: press('fullscreen') },
@@ -442,7 +472,8 @@ find('commands').onclick = () => showCommands(possible());
 find('help').onclick = () => showKeys(possible());
 find('theme').onclick = () => setTheme(document.documentElement.dataset.theme !== 'dark');
 find('map').onclick = () => offerMaps(state, live);
-find('screenshot').onclick = () => void savePicture();
+find('screenshot').onclick = () => void sharing.savePicture(null);
+find('share').onclick = () => sharing.open();
 find('toggle-plots').onclick = () => showPlots(find('plots').hidden === true);
 find('fullscreen').onclick = () =>
   void (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen());

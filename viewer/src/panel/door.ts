@@ -1,6 +1,7 @@
 /** The first screen: scenarios as cards, with a living view of the one that is chosen. */
 
 import { bestTime, clockText, starText, starsFor } from '../best';
+import { readLink } from '../link';
 import type { Playback } from '../playback';
 import type { ScenarioCard } from '../protocol/scene';
 import type { Status } from '../protocol/live';
@@ -36,8 +37,8 @@ export class Door {
   private scenarios: ScenarioCard[] = [];
   private chosen: ScenarioCard | null = null;
   private isOpen = false;
-  /** True once somebody has left it in this tab. */
-  private wasLeft = sessionStorage.getItem(LEFT) !== null;
+  /** True once somebody has left it in this tab, or came by a link to something else. */
+  private wasLeft = sessionStorage.getItem(LEFT) !== null || readLink(location.hash) !== null;
   /** The scenario whose demo is opened or shown behind the cards. */
   private shown: ScenarioCard | null = null;
   /** Robots of the server's world, now and at the last look. */

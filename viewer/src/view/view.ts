@@ -1,6 +1,7 @@
 /** The 3-D view: what the page tells it and asks it. */
 
 import * as THREE from 'three';
+import type { Viewpoint } from '../link';
 import type { Frame, Scan } from '../protocol/frame';
 import type { Pose, Scene, Vector } from '../protocol/scene';
 import { type CameraMode, Cameras } from './cameras';
@@ -230,7 +231,12 @@ export class View {
   /** Turns to a movable object. */
   lookAtObject(number: number): void {
     const pose = this.frame?.objects.find((object) => object.number === number)?.pose;
-    if (pose) this.cameras.lookAt(onStage([pose[0], pose[1], pose[2]]));
+    if (pose) this.lookAtPlace([pose[0], pose[1], pose[2]]);
+  }
+
+  /** Turns to a place of the world. */
+  lookAtPlace(place: Vector): void {
+    this.cameras.lookAt(onStage(place));
   }
 
   /** Shows a robot, or all of the map, as large as there is room, from the side from which it is seen now. */
@@ -333,13 +339,37 @@ export class View {
     this.stir();
   }
 
-  /** The picture as a PNG: every pixel of the screen at the best quality, whatever rung is drawn with now. */
-  async screenshot(): Promise<Blob | null> {
+  /** Place of the camera and place that it looks at, in the wire's frame. */
+  get viewpoint(): Viewpoint {
+    const wire = ({ x, y, z }: THREE.Vector3): Vector => [x, -y, -z];
+    return { from: wire(this.cameras.eye), at: wire(this.cameras.target) };
+  }
+
+  /** Looks from a place at another. */
+  setViewpoint({ from, at }: Viewpoint): void {
+    this.cameras.wasTouched = true;
+    this.fitting = null;
+    this.cameras.place(onStage(from), onStage(at));
+    this.stir();
+  }
+
+  /**
+   * The picture as a PNG at the best quality, whatever rung is drawn with now: as large as is wanted, px, or with every pixel of the screen.
+   */
+  async screenshot(
+    size: { width: number; height: number } | null = null,
+    hasGrid = this.stage.grid.mesh.visible,
+  ): Promise<Blob | null> {
+    const hadGrid = this.stage.grid.mesh.visible;
+    this.stage.grid.mesh.visible = hasGrid;
     this.stage.setSaving(true);
-    this.resize();
+    const ratio = window.devicePixelRatio;
+    if (size) this.resizeTo(size.width / ratio, size.height / ratio);
+    else this.resize();
     this.stage.render(this.cameras.target, this.cameras.distance);
     // What the canvas shows is taken at once, and written later.
     const picture = new Promise<Blob | null>((resolve) => this.canvas.toBlob(resolve, 'image/png'));
+    this.stage.grid.mesh.visible = hadGrid;
     this.stage.setSaving(false);
     this.resize();
     return picture;
@@ -435,6 +465,10 @@ export class View {
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (width === 0 || height === 0) return;
+    this.resizeTo(width, height);
+  }
+
+  private resizeTo(width: number, height: number): void {
     this.cameras.resize(width, height);
     this.stage.resize(width, height);
     this.labels.resize(width, height);
