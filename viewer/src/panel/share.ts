@@ -7,6 +7,7 @@ import type { State } from '../state';
 import type { View } from '../view/view';
 import { closeDialog, showDialog } from './dialog';
 import { find, make, save } from './dom';
+import './share.css';
 
 /** Sizes of pictures, px. */
 const SIZES = [

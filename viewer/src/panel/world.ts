@@ -160,7 +160,7 @@ export class WorldPanel {
     this.rest.replaceChildren(
       ...section('Objects', objects, true),
       ...this.sights(),
-      ...section('Clients', clients.length > 0 ? clients : [none], true),
+      ...section('Clients', clients.length > 0 ? clients : [none], true, clients.length),
       ...(viewers > 0 ? [make('p', { class: 'quiet' }, pages)] : []),
     );
     if (objectInFocus) this.rest.querySelector<HTMLElement>(`[data-object="${objectInFocus}"]`)?.focus();
@@ -255,11 +255,11 @@ function heading(text: string): HTMLElement {
 }
 
 /** Returns a list that is opened by its title, and stays so from visit to visit; nothing for an empty one. */
-function section(title: string, items: HTMLElement[], isOpen: boolean): HTMLElement[] {
+function section(title: string, items: HTMLElement[], isOpen: boolean, count = items.length): HTMLElement[] {
   if (items.length === 0) return [];
   const key = `section.${title}`;
-  const count = make('small', { class: 'quiet' }, String(items.length));
-  const details = make('details', { class: 'section' }, make('summary', {}, heading(title), count));
+  const number = make('small', { class: 'quiet' }, count > 0 ? String(count) : '');
+  const details = make('details', { class: 'section' }, make('summary', {}, heading(title), number));
   details.open = (remembered(key) ?? String(isOpen)) === 'true';
   details.ontoggle = () => remember(key, String(details.open));
   details.append(make('ul', { class: 'tree' }, ...items));
