@@ -192,6 +192,48 @@ fn what_cannot_be_pulled_says_why() {
 }
 
 #[test]
+fn a_wall_stops_what_is_pulled_behind_it() {
+    for thing in ["a crate", "P3AT", "KUKA_YouBot"] {
+        let mut stage = Stage::new(0.008);
+        stage.must("{Type Create} {ClassName WCCrate} {Name wall} {Location 2,0,-2} {Scale 0.1,10,8}");
+        let called = if thing == "a crate" {
+            stage.must("{Type Create} {ClassName WCCrate} {Name box} {Location -2,0,-0.26} {Physics RigidBody}");
+            "box"
+        } else {
+            init(&mut stage.world, &format!("INIT {{ClassName {thing}}} {{Name Rob}} {{Location -2,0,-0.2}}"));
+            "Rob"
+        };
+        for grip in ["0.1,0.1,-0.1", "0,0,0"] {
+            stage.must(&format!("{{Type Pull}} {{Name {called}}} {{Grip {grip}}} {{Location 8,0,-0.4}}"));
+            run(&mut stage.world, 4.0);
+            let [pull] = stage.world.snapshot().pulls[..] else { panic!("{thing}: {:?}", stage.world.take_lost()) };
+            assert!((0.5..2.0).contains(&pull.from.x), "{thing}: {}", pull.from);
+        }
+    }
+}
+
+#[test]
+fn robots_and_crates_that_are_pulled_to_one_place_are_not_lost() {
+    let mut stage = Stage::new(0.008);
+    for number in 0..12 {
+        let (x, y) = (-3 + 2 * (number % 4), -2 + 2 * (number / 4));
+        let class = ["P3AT", "KUKA_YouBot", "Kenaf"][number as usize % 3];
+        init(&mut stage.world, &format!("INIT {{ClassName {class}}} {{Name r{number}}} {{Location {x},{y},-0.3}}"));
+        stage.must(&format!(
+            "{{Type Create}} {{ClassName WCCrate}} {{Name c{number}}} {{Location {x},{},-0.3}} {{Physics RigidBody}}",
+            y + 1
+        ));
+        for name in ["r", "c"] {
+            stage.must(&format!("{{Type Pull}} {{Name {name}{number}}} {{Location 0,0,-0.8}}"));
+        }
+    }
+    run(&mut stage.world, 4.0);
+    assert_eq!(stage.world.take_lost(), []);
+    assert_eq!(stage.world.take_restored(), []);
+    assert_eq!(stage.world.snapshot().pulls.len(), 24);
+}
+
+#[test]
 fn a_saved_world_is_pulled_on_with_the_same_bits() {
     let mut stage = Stage::new(0.008);
     stage.must(CRATE);

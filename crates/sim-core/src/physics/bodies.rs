@@ -99,7 +99,8 @@ impl MultibodyRobot {
         let rotation = convert::from_pose(root.position()).rotation.to_rotation_matrix().into_inner();
         let inertia = root.mass_properties().local_mprops.reconstruct_inertia_matrix();
         let inertia: Matrix3<f64> = inertia.to_cols_array_2d().into();
-        let inertia = rotation * inertia * rotation.transpose() * (mass / root.mass());
+        let spread = if root.mass() > 0.0 { mass / root.mass() } else { 0.0 };
+        let inertia = rotation * inertia * rotation.transpose() * spread;
         Grasped { state: self.state(world), centre: convert::from_vector(root.center_of_mass()), mass, inertia }
     }
 

@@ -58,6 +58,10 @@ impl Spring {
     pub(super) fn tug(&self, body: &Grasped, time_step: f64) -> Tug {
         let Grasped { state: BodyState { pose, linear, angular }, centre, mass, inertia } = body;
         let point = (pose * Point3::from(self.grip)).coords;
+        // The engine weighs its bodies in their first step.
+        if *mass == 0.0 {
+            return Tug { point, force: Vector3::zeros(), torque: Vector3::zeros() };
+        }
         let velocity = linear + angular.cross(&(point - pose.translation.vector));
         let lever = (point - centre).cross_matrix();
         let turning = inertia.try_inverse().map_or_else(Matrix3::zeros, |inverse| lever.transpose() * inverse * lever);
