@@ -93,3 +93,42 @@ pageTest('a gripper has buttons in place of sliders of its fingers', rough, asyn
   const set = (opcode) => `SET {Type Gripper} {Name Gripper} {Opcode ${opcode}}`;
   assert.deepEqual(sent, [set('Open'), set('Close')]);
 });
+
+pageTest('angles are read and typed in degrees once that is chosen', rough, async ({ page }) => {
+  const sent = sentWith(page, 'SET {Type Joint}');
+  await spawnArm(page);
+  await page.click('#angle-unit');
+  assert.deepEqual(await page.locator('[data-joints] .unit').allTextContents(), ['°', '°', '°', '°', '°']);
+  await page.fill('#joint-ArmJoint3-number', '45');
+  await page.keyboard.press('Enter');
+  await waitForNumber(page, JOINT3, (at) => Math.abs(at - Math.PI / 4) < 0.03);
+  await shows(page, '#joint-ArmJoint3-number', 45, 2);
+  await shows(page, ARM3, Math.PI / 4, 0.03);
+  assert.ok(
+    sent.some((line) => line.includes('{Name ArmJoint3} {Opcode Angle} {Params 0.7854}')),
+    sent.join(),
+  );
+  await page.reload();
+  await page.waitForSelector('#spawn');
+  await spawnArm(page, 'RobotStart1');
+  assert.equal(await page.textContent('[data-joints] .unit'), '°');
+});
+
+pageTest('a pose is kept and taken again, also by another robot of the class', rough, async ({ page }) => {
+  await spawnArm(page);
+  await page.fill('#joint-ArmJoint3-number', '0.8');
+  await page.keyboard.press('Enter');
+  await waitForNumber(page, JOINT3, (at) => Math.abs(at - 0.8) < 0.02);
+  await page.click('#keep-pose');
+  await page.click('.poses button:text-is("Home")');
+  await waitForNumber(page, JOINT3, (at) => Math.abs(at) < 0.02);
+  await spawnArm(page, 'RobotStart1');
+  await page.waitForSelector('[data-robot="1"][aria-pressed=true]');
+  await page.click('.poses button:text-is("Pose 1")');
+  await shows(page, ARM3, 0.8, 0.03);
+  await page.evaluate(() => localStorage.setItem('usarsim.poses.YouBotArm', '[[1,2],"x",[null,0,0,0,0]]'));
+  await page.reload();
+  await page.waitForSelector('#spawn');
+  await spawnArm(page, 'RobotStart2');
+  assert.equal(await page.locator('.poses button:text-matches("^Pose ")').count(), 0);
+});

@@ -243,7 +243,7 @@ export class DrivePanel {
       ...keys('←', '→'),
       ' turn; or use a gamepad, or the sticks in the view on a touch screen.',
     );
-    this.joints.build(robotClass ?? null, () => this.driven?.client);
+    this.joints.build(own?.client.spawn.robotClass ?? '', robotClass ?? null, () => this.driven?.client);
     this.followJoints();
     this.list();
   }

@@ -1,9 +1,9 @@
-/** The joints of the robot that is driven: a slider and a number for each, and two buttons for a gripper. */
+/** The joints of the robot that is driven: a slider and a number for each, poses that are kept, and two buttons for a gripper. */
 
 import type { Client } from '../protocol/client';
 import type { RobotState } from '../protocol/frame';
 import type { Gripper, Joint, RobotClass } from '../protocol/scene';
-import { fixed, make, setText } from './dom';
+import { fixed, make, remember, remembered, setText } from './dom';
 
 type JointState = RobotState['joints'][number];
 
@@ -16,6 +16,10 @@ const IN_WORDS = {
   rad: (value: number) => `${fixed((value * 180) / Math.PI, 1)}°`,
   m: (value: number) => `${fixed(value * 1000, 1)} mm`,
 };
+/** Units in which a person reads and types: the joint's own, or degrees. */
+const DEGREES = { unit: '°', factor: 180 / Math.PI, digits: 1 };
+/** Poses of a class that are kept, at most. */
+const MOST_POSES = 8;
 /** A joint that stands farther than so many steps from its target has been stopped or moved by something else. */
 const ASTRAY = 20;
 /** Slower than this a joint stands, steps a second. */
@@ -34,9 +38,21 @@ const KEYS: Record<string, number> = {
 export class JointsPanel {
   readonly element = make('fieldset', { 'data-joints': '', 'aria-label': 'Joints', class: 'plain' });
   private rows: (JointRow | GripperRow)[] = [];
+  private sliders: JointRow[] = [];
+  private robotClass = '';
+  private readonly poses = make('div', { class: 'row poses', role: 'group', 'aria-label': 'Poses' });
+  private readonly units = make('button', { type: 'button', id: 'angle-unit', title: 'Angles in degrees or radians' });
+
+  constructor() {
+    this.units.onclick = () => {
+      remember('angles', isInDegrees() ? 'rad' : 'degrees');
+      this.showUnits();
+    };
+  }
 
   /** Shows the joints of a class; `client` returns the connection that moves them. */
-  build(robotClass: RobotClass | null, client: () => Client | undefined): void {
+  build(name: string, robotClass: RobotClass | null, client: () => Client | undefined): void {
+    this.robotClass = name;
     const { joints = [], grippers = [] } = robotClass ?? {};
     const gripped = new Set(grippers.flatMap(({ joints }) => joints));
     const sliders = joints.flatMap((joint, index) =>
@@ -46,8 +62,51 @@ export class JointsPanel {
       const indices = gripper.joints.map((name) => joints.findIndex((joint) => joint.name === name));
       return new GripperRow(gripper, indices, (opcode) => client()?.setGripper(gripper.name, opcode));
     });
+    this.sliders = sliders;
     this.rows = [...sliders, ...buttons];
-    this.element.replaceChildren(...this.rows.map(({ element }) => element));
+    const head = sliders.length > 0 ? [this.poses] : [];
+    this.element.replaceChildren(...head, ...this.rows.map(({ element }) => element));
+    this.offerPoses();
+    this.showUnits();
+  }
+
+  private showUnits(): void {
+    setText(this.units, isInDegrees() ? 'Radians' : 'Degrees');
+    this.sliders.forEach((row) => row.showUnit());
+  }
+
+  /** Offers the pose with all joints at 0, and those that somebody kept for the class. */
+  private offerPoses(): void {
+    const kept = this.kept;
+    const go = (name: string, pose: number[], title: string) => {
+      const button = make('button', { type: 'button', title }, name);
+      button.onclick = () => this.sliders.forEach((row, index) => row.moveTo(pose[index] ?? 0));
+      return button;
+    };
+    const keep = make('button', { type: 'button', id: 'keep-pose', title: 'Keep this pose as a button' }, 'Keep pose');
+    keep.onclick = () => {
+      const poses = [...kept, this.sliders.map(({ position }) => Number(position.toFixed(4)))].slice(-MOST_POSES);
+      remember(this.key, JSON.stringify(poses));
+      this.offerPoses();
+    };
+    const poses = kept.map((pose, index) => go(`Pose ${index + 1}`, pose, pose.join(', ')));
+    this.poses.replaceChildren(go('Home', [], 'All joints at 0, or as near as they come'), ...poses, keep, this.units);
+  }
+
+  private get key(): string {
+    return `poses.${this.robotClass}`;
+  }
+
+  /** Poses of the class that this browser keeps: positions of the sliders' joints. */
+  private get kept(): number[][] {
+    try {
+      const list: unknown = JSON.parse(remembered(this.key) ?? '[]');
+      const isPose = (pose: unknown): pose is number[] =>
+        Array.isArray(pose) && pose.length === this.sliders.length && pose.every(Number.isFinite);
+      return Array.isArray(list) ? list.filter(isPose) : [];
+    } catch {
+      return [];
+    }
   }
 
   /** Follows the robot as it is shown; without one nothing can be moved. */
@@ -59,11 +118,12 @@ export class JointsPanel {
 
 class JointRow {
   readonly element: HTMLElement;
+  private readonly unitText = make('span', { class: 'quiet unit' });
   private readonly slider: HTMLInputElement;
   private readonly field: HTMLInputElement;
   private readonly step: number;
   private isHeld = false;
-  private position = 0;
+  position = 0;
   /** The last target of the joint, and its time, ms. */
   private target: { value: number; at: number } | null = null;
 
@@ -77,7 +137,7 @@ class JointRow {
     const [id, range] = [`joint-${name}`, { min: String(min), max: String(max), step: 'any' }];
     // The browser rounds a value by the limits that it has, so these come first.
     this.slider = make('input', { type: 'range', id, ...range });
-    this.field = make('input', { type: 'number', id: `${id}-number`, 'aria-label': `${name}, ${this.unit}`, ...range });
+    this.field = make('input', { type: 'number', id: `${id}-number`, step: 'any' });
     this.slider.oninput = () => this.moveTo(Number(this.slider.value));
     this.slider.onpointerdown = () => (this.isHeld = true);
     this.slider.onpointerup = this.slider.onpointercancel = this.slider.onblur = () => (this.isHeld = false);
@@ -90,8 +150,23 @@ class JointRow {
       make('label', { for: id }, name),
       this.slider,
       this.field,
-      make('span', { class: 'quiet unit' }, this.unit),
+      this.unitText,
     );
+  }
+
+  /** Shows numbers in the unit that is chosen. */
+  showUnit(): void {
+    const { name, min, max } = this.joint;
+    this.field.setAttribute('aria-label', `${name}, ${this.read.unit}`);
+    [this.field.min, this.field.max] = [min, max].map((end) => String(end * this.read.factor)) as [string, string];
+    setText(this.unitText, this.read.unit);
+    if (document.activeElement !== this.field) this.field.value = this.shown(this.position);
+  }
+
+  /** Unit in which a person reads: its factor to the joint's own, and digits after the point. */
+  private get read(): typeof DEGREES {
+    if (this.unit === 'rad' && isInDegrees()) return DEGREES;
+    return { unit: this.unit, factor: 1, digits: DIGITS[this.unit] };
   }
 
   follow(joints: JointState[]): void {
@@ -109,11 +184,11 @@ class JointRow {
   }
 
   private shown(value: number): string {
-    return fixed(value, DIGITS[this.unit]);
+    return fixed(value * this.read.factor, this.read.digits);
   }
 
   private describe(value: number): void {
-    this.slider.setAttribute('aria-valuetext', `${this.shown(value)} ${this.unit}`);
+    this.slider.setAttribute('aria-valuetext', `${this.shown(value)} ${this.read.unit}`);
     this.slider.title = this.field.title = IN_WORDS[this.unit](value);
   }
 
@@ -144,16 +219,20 @@ class JointRow {
   private take(): void {
     if (this.field.value === '' || Number.isNaN(this.field.valueAsNumber)) this.field.value = this.shown(this.position);
     else {
-      this.moveTo(this.field.valueAsNumber);
+      this.moveTo(this.field.valueAsNumber / this.read.factor);
       this.field.value = this.shown(this.target?.value ?? this.position);
     }
   }
 
-  private moveTo(wanted: number): void {
+  moveTo(wanted: number): void {
     const value = Math.max(this.joint.min, Math.min(this.joint.max, wanted));
     this.target = { value, at: performance.now() };
     this.send(value);
   }
+}
+
+function isInDegrees(): boolean {
+  return remembered('angles') === 'degrees';
 }
 
 class GripperRow {
