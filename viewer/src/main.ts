@@ -53,7 +53,7 @@ const PLOT_PAST = 600;
 const transport: Transport = network;
 const state = new State();
 let connected = false;
-/** What the page's address asks for, until it is shown. */
+/** Wishes of the page's address, until they are shown. */
 let link = readLink(location.hash);
 let isMapAsked = false;
 /** The moment of a log that a link asks for, until that log is opened. */

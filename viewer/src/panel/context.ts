@@ -1,4 +1,4 @@
-/** What can be done with a robot, an object or a place of the floor, as a menu. */
+/** Menu of what can be done with a robot, an object or a place of the floor. */
 
 import type { Vector } from '../protocol/scene';
 import type { State } from '../state';

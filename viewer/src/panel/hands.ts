@@ -13,7 +13,7 @@ const INTERVAL = 40;
 /** Turn for a pixel, rad. */
 const TURN = 0.01;
 
-/** What is in the hand, since it was taken. */
+/** The thing in the hand, as it was taken. */
 interface Taken {
   name: string;
   pose: Pose;
@@ -108,7 +108,7 @@ export class Hands {
     return this.state.frame?.objects.find(({ number }) => number === thing.object)?.pose ?? null;
   }
 
-  /** Of lines that come faster than they are sent the last one counts. */
+  /** Sends a line in a moment. If another one comes before, that counts. */
   private say(line: string): void {
     this.next = line;
     this.timer ??= setTimeout(() => this.flush(), INTERVAL);

@@ -54,7 +54,7 @@ export class Sharing {
     return make('section', {}, make('div', { class: 'row' }, field, copy), make('p', { class: 'quiet' }, what));
   }
 
-  /** What a link has to bring back. */
+  /** Lists all that a link has to bring back. */
   private shown(): Link {
     const { scene, status, frame } = this.state;
     const { logName } = this.playback;

@@ -39,7 +39,7 @@ export class WorldPanel {
     ['Velocity', true],
   ]);
   private cells: Cell[] = [];
-  /** Where the chosen object's pose is written. */
+  /** Place in the tree for the chosen object's pose. */
   private place: { number: number; output: HTMLElement } | null = null;
   private shown = '';
 

@@ -44,7 +44,7 @@ const CAMERA_IN_SENSOR = new THREE.Matrix4().makeBasis(
   new THREE.Vector3(-1, 0, 0),
 );
 
-/** What is at a point of the screen, and where, in the wire's frame. */
+/** Thing at a point of the screen, and its place there in the wire's frame. */
 export type Hit = ({ robot: number } | { object: number } | { ground: true }) & { place: Vector };
 
 interface World {
