@@ -118,7 +118,7 @@ const tools = new Tools(state, view);
 const controller = new Hand(transport, (why) => say(`The client of this page's hands has left: ${why}`), [
   'INIT {ClassName WorldController} {Name hands}',
 ]);
-const hands = new Hands(state, (line) => controller.say(line));
+const hands = new Hands(state, (line) => controller.say(line), whyRefused);
 const menu = new ContextMenu(state, view, hands, {
   choose,
   look: (mode) => tools.look(mode),

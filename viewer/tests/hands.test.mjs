@@ -135,6 +135,24 @@ pageTest('a menu puts a crate on the floor and removes it, by keys alone', rough
   await page.waitForSelector('[data-object]', { state: 'detached' });
 });
 
+pageTest(
+  'a page that controls nothing takes and puts nothing',
+  { ...rough, serve: [...rough.serve, '--control', 'nobody'] },
+  async ({ page, server }) => {
+    const controller = await crateFromAbove(page, server);
+    await waitForPlace(page, (at) => Math.abs(at.z + 0.25) < 0.01);
+    const [x, y] = await take(page);
+    await page.mouse.move(x + 90, y, { steps: 4 });
+    await page.mouse.up();
+    await page.mouse.click(x + 91, y + 200, { button: 'right' });
+    assert.equal(await page.locator('#menu').count(), 0);
+    const { length, ...rest } = await place(page);
+    assert.equal(length, 6);
+    assert.ok(Math.hypot(rest[0], rest[1]) < 0.01);
+    controller.end();
+  },
+);
+
 pageTest('a right click on the floor offers what can be put there', rough, async ({ page }) => {
   const [x, y] = await middle(page);
   await page.mouse.click(x, y, { button: 'right' });

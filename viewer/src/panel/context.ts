@@ -34,7 +34,7 @@ export class ContextMenu {
   /** Opens it for what is at a point of the screen. */
   open(hit: Hit, x: number, y: number): void {
     if ('ground' in hit) {
-      const items = this.mayChange ? this.ofFloor(hit.place) : [];
+      const items = this.hands.mayAct ? this.ofFloor(hit.place) : [];
       if (items.length > 0) showMenu('Here', items, x, y);
       return;
     }
@@ -60,13 +60,8 @@ export class ContextMenu {
     if (place) this.open({ ground: true, place }, x, y);
   }
 
-  /** True if this page may change what is in the world that it shows. */
-  private get mayChange(): boolean {
-    return this.state.isPresent && !this.state.isWatched;
-  }
-
   private get removal(): Item[] {
-    return this.mayChange ? [{ name: 'Remove', run: () => this.uses.remove() }] : [];
+    return this.hands.mayAct ? [{ name: 'Remove', run: () => this.uses.remove() }] : [];
   }
 
   private ofRobot(): Item[] {

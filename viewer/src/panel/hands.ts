@@ -35,10 +35,18 @@ export class Hands {
     private readonly state: State,
     /** Sends a line of a world controller. */
     private readonly send: (line: string) => void,
+    /** Returns the reason why this page may change nothing in the world; null if it may. */
+    private readonly refused: () => string | null,
   ) {}
 
-  /** Takes a thing at a place of the world. Returns false if it is not there. */
+  /** True if this page may change what is in the world that it shows. */
+  get mayAct(): boolean {
+    return this.state.isPresent && this.refused() === null;
+  }
+
+  /** Takes a thing at a place of the world. Returns false if it is not there, or this page may not. */
   take(thing: Thing, place: Vector): boolean {
+    if (!this.mayAct) return false;
     const pose = this.poseOf(thing);
     const name = this.nameOf(thing);
     if (!pose || name === null) return false;

@@ -91,7 +91,7 @@ export class Pointer {
     // Fingers turn the view: they would take things by mistake.
     if (event.button !== 0 || this.placing || event.pointerType === 'touch') return;
     const hit = this.view.pick(event.clientX, event.clientY);
-    if (!hit || 'ground' in hit || !this.isChosen(hit) || !this.mayTake) return;
+    if (!hit || 'ground' in hit || !this.isChosen(hit)) return;
     if (!this.hands.take(hit, hit.place)) return;
     this.dragged = hit;
     this.to = hit.place;
@@ -99,11 +99,6 @@ export class Pointer {
     this.last = event.clientX;
     this.view.holdCamera(true);
     find('canvas').setPointerCapture(event.pointerId);
-  }
-
-  /** True if this page may change the world that is shown. */
-  private get mayTake(): boolean {
-    return this.state.isPresent && !this.state.isWatched;
   }
 
   private isChosen(thing: Thing): boolean {
