@@ -74,7 +74,8 @@ export class Hands {
   putDown([x, y, z]: Vector): void {
     if (!this.taken) return;
     const { name, pose } = this.taken;
-    this.taken = null;
+    // Somebody has stopped time while it was pulled.
+    this.release();
     // A little above the floor, on which it is put down.
     const at = `{Location ${numbers([x, y, z - 0.01])}} {Rotation ${numbers([0, 0, rollPitchYaw(pose)[2]])}}`;
     this.send(`CONTROL {Type AbsMove} {Name ${name}} ${at}`);

@@ -44,7 +44,7 @@ export class Pointer {
     canvas.addEventListener('pointerup', (event) => this.up(event));
     canvas.addEventListener('pointercancel', () => this.cancel());
     window.addEventListener('keydown', ({ key }) => key === 'Escape' && this.cancel());
-    window.addEventListener('blur', () => this.cancel());
+    window.addEventListener('blur', () => this.dragged && this.cancel());
   }
 
   /** Waits for a click that says where a robot shall stand; null ends that. */
