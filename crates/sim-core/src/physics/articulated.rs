@@ -374,9 +374,7 @@ impl ArticulatedRobot {
     /// Returns what a spring pulls: the root, with the mass of all.
     pub(super) fn grasped(&self) -> Grasped {
         let root = &self.body.tree().links()[0].mass;
-        let rotation = self.body.frames()[0].rotation;
-        let inertia = rotation * root.inertia * rotation.transpose() * (self.compiled.mass / root.mass);
-        Grasped { state: self.state(), centre: self.body.centre(), mass: self.compiled.mass, inertia }
+        Grasped::new(self.state(), self.body.centre(), (root.mass, root.inertia), self.compiled.mass)
     }
 
     /// Applies the effect of a spring to the root for the coming step.

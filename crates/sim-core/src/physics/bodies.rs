@@ -13,7 +13,7 @@ mod solver;
 
 use std::sync::Arc;
 
-use nalgebra::{Matrix3, Translation3, Vector3};
+use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
 use scene::{BodyState, JointState};
 
@@ -96,12 +96,9 @@ impl MultibodyRobot {
     pub(super) fn grasped(&self, world: &PhysicsWorld) -> Grasped {
         let root = &world.bodies[self.links[0]];
         let mass: f64 = self.links.iter().map(|&link| world.bodies[link].mass()).sum();
-        let rotation = convert::from_pose(root.position()).rotation.to_rotation_matrix().into_inner();
-        let inertia = root.mass_properties().local_mprops.reconstruct_inertia_matrix();
-        let inertia: Matrix3<f64> = inertia.to_cols_array_2d().into();
-        let spread = if root.mass() > 0.0 { mass / root.mass() } else { 0.0 };
-        let inertia = rotation * inertia * rotation.transpose() * spread;
-        Grasped { state: self.state(world), centre: convert::from_vector(root.center_of_mass()), mass, inertia }
+        let inertia = root.mass_properties().local_mprops.reconstruct_inertia_matrix().to_cols_array_2d().into();
+        let centre = convert::from_vector(root.center_of_mass());
+        Grasped::new(self.state(world), centre, (root.mass(), inertia), mass)
     }
 
     /// Applies the effect of a spring to the first link for the coming step.

@@ -41,18 +41,17 @@ impl Physics {
         }
     }
 
-    /// Pulls an object by a spring in the coming step.
-    pub(crate) fn pull_object(&mut self, id: ObjectId, spring: &Spring) {
-        let time_step = self.world.integration_parameters.dt;
+    /// Applies the effect of a spring to an object for the coming step.
+    pub(crate) fn pull_object(&mut self, id: ObjectId, tug: &Tug) {
         if let Some(place) = self.place_of(id) {
-            self.objects[place].pull(spring, time_step);
+            self.objects[place].pull(tug);
         }
     }
 
     /// Returns the effect of a spring on an object now; `None` if nothing can pull it: it is gone or held.
     pub(crate) fn tug_of_object(&self, id: ObjectId, spring: &Spring) -> Option<Tug> {
-        let object = self.objects.get(self.place_of(id)?).filter(|object| !object.is_held())?;
-        Some(spring.tug(&object.grasped(), self.world.integration_parameters.dt))
+        let grasped = self.objects[self.place_of(id)?].grasped()?;
+        Some(spring.tug(&grasped, self.world.integration_parameters.dt))
     }
 
     fn insert_object(&mut self, id: ObjectId, def: Arc<Object>, pose: &Pose, is_held: bool) -> MovableObject {

@@ -31,15 +31,26 @@ pub(crate) struct Spring {
     pub(crate) turn: Option<UnitQuaternion<f64>>,
 }
 
-/// A body that a spring pulls. Vectors are in world axes.
+/// A body that a spring pulls at its first link. Vectors are in world axes.
 pub(super) struct Grasped {
-    pub(super) state: BodyState,
-    /// Position of the centre of mass of the link that is pulled, m.
-    pub(super) centre: Vector3<f64>,
+    state: BodyState,
+    /// Position of the link's centre of mass, m.
+    centre: Vector3<f64>,
     /// Mass with all links, kg.
-    pub(super) mass: f64,
-    /// Moments of inertia about the centre, kg m². Arms and wheels are taken to be spread as the link is.
-    pub(super) inertia: Matrix3<f64>,
+    mass: f64,
+    /// Moments of inertia about the centre, kg m².
+    inertia: Matrix3<f64>,
+}
+
+impl Grasped {
+    /// Describes a body by its first link, with its mass, kg, and its moments of inertia in its own axes, kg m², and by the mass of all links.
+    /// Arms and wheels are taken to be spread as the link is.
+    pub(super) fn new(state: BodyState, centre: Vector3<f64>, link: (f64, Matrix3<f64>), mass: f64) -> Self {
+        let rotation = state.pose.rotation.to_rotation_matrix().into_inner();
+        // The engine weighs its bodies in their first step.
+        let spread = if link.0 > 0.0 { mass / link.0 } else { 0.0 };
+        Self { state, centre, mass, inertia: rotation * link.1 * rotation.transpose() * spread }
+    }
 }
 
 /// Effect of a spring on a body.
@@ -58,7 +69,6 @@ impl Spring {
     pub(super) fn tug(&self, body: &Grasped, time_step: f64) -> Tug {
         let Grasped { state: BodyState { pose, linear, angular }, centre, mass, inertia } = body;
         let point = (pose * Point3::from(self.grip)).coords;
-        // The engine weighs its bodies in their first step.
         if *mass == 0.0 {
             return Tug { point, force: Vector3::zeros(), torque: Vector3::zeros() };
         }

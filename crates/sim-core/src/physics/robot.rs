@@ -110,10 +110,9 @@ impl Physics {
         *robot = self.spawn(robot.robot.clone(), id, pose);
     }
 
-    /// Pulls a robot by a spring in the coming step. Its motors have been applied before.
-    pub(crate) fn pull_robot(&mut self, robot: &mut RobotBodies, spring: &Spring) {
-        let tug = self.tug_of_robot(robot, spring);
-        robot.mechanism.pull(&mut self.world, &tug);
+    /// Applies the effect of a spring to a robot for the coming step. Its motors have been applied before.
+    pub(crate) fn pull_robot(&mut self, robot: &mut RobotBodies, tug: &Tug) {
+        robot.mechanism.pull(&mut self.world, tug);
     }
 
     /// Returns the effect of a spring on a robot now.

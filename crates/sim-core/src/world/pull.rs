@@ -56,7 +56,7 @@ impl World {
         if self.pulls.len() >= MAX_PULLS {
             return Err(format!("{MAX_PULLS} things are pulled already: expected at most as many at a time"));
         }
-        let turn = rotation.map(|[roll, pitch, yaw]| nalgebra::UnitQuaternion::from_euler_angles(roll, pitch, yaw));
+        let turn = rotation.map(|angles| scene::pose([0.0; 3], angles).rotation);
         let spring = Spring { grip: (*grip).into(), to: location.map(Into::into), turn };
         let pull = Pull { by, thing, spring };
         self.tug(&pull).ok_or_else(|| self.why_fixed(thing))?;
@@ -71,19 +71,18 @@ impl World {
 
     /// Applies all springs for the coming step, after the motors. A pull ends when its object or robot is gone, or held by something else.
     pub(super) fn apply_pulls(&mut self) {
-        let mut pulls = std::mem::take(&mut self.pulls);
-        pulls.retain(|pull| self.tug(pull).is_some());
-        for Pull { thing, spring, .. } in &pulls {
-            match thing {
-                Thing::Object(id) => self.physics.pull_object(*id, spring),
+        for pull in std::mem::take(&mut self.pulls) {
+            let Some(tug) = self.tug(&pull) else { continue };
+            match pull.thing {
+                Thing::Object(id) => self.physics.pull_object(id, &tug),
                 Thing::Robot(id) => {
-                    if let Some(robot) = self.robots.get_mut(id) {
-                        self.physics.pull_robot(robot.bodies_mut(), spring);
+                    if let Some(robot) = self.robots.get_mut(&id) {
+                        self.physics.pull_robot(robot.bodies_mut(), &tug);
                     }
                 }
             }
+            self.pulls.push(pull);
         }
-        self.pulls = pulls;
     }
 
     /// Returns snapshots of all springs.

@@ -15,7 +15,7 @@ use super::super::WAKING_REACH;
 use super::super::convert;
 use super::super::fault::Fault;
 use super::super::identity::{BodyId, Identity};
-use super::super::pull::{Grasped, Spring};
+use super::super::pull::{Grasped, Tug};
 use super::super::surface::Surface as ColliderSurface;
 use super::ArticulatedRobot;
 use super::compile::{Articulated, CompiledObject};
@@ -169,22 +169,18 @@ impl MovableObject {
         self.body.bounds.is_known = false;
     }
 
-    /// Pulls the object by a spring in the coming step, and keeps it awake. A held object feels nothing.
-    pub(in super::super) fn pull(&mut self, spring: &Spring, time_step: f64) {
-        if self.is_held {
-            return;
-        }
+    /// Applies the effect of a spring for the coming step, and keeps the object awake.
+    pub(in super::super) fn pull(&mut self, tug: &Tug) {
         if self.sleep.is_some() {
             self.wake();
         }
         self.still = 0.0;
-        let tug = spring.tug(&self.body.grasped(), time_step);
-        self.body.pull(&tug);
+        self.body.pull(tug);
     }
 
-    /// Returns what a spring pulls.
-    pub(in super::super) fn grasped(&self) -> Grasped {
-        self.body.grasped()
+    /// Returns what a spring pulls; `None` for a held object, which feels nothing.
+    pub(in super::super) fn grasped(&self) -> Option<Grasped> {
+        (!self.is_held).then(|| self.body.grasped())
     }
 
     /// Sets the velocity of the frame's origin, m/s, and the angular velocity, rad/s, in world axes.
