@@ -7,6 +7,7 @@ mod program;
 mod recordings;
 mod server;
 pub mod sessions;
+mod stage;
 mod transcript;
 mod watch;
 
@@ -16,6 +17,7 @@ pub use measuring::{alone, setting};
 pub use program::{Program, Usage};
 pub use recordings::{recordings, server_lines};
 pub use server::{PATIENCE, Peer, Server, time_of};
+pub use stage::Stage;
 pub use transcript::{Transcript, run_transcript};
 pub use watch::{Seen, Watch};
 

@@ -3,42 +3,17 @@
 use gamebots_proto::Command;
 use gamebots_proto::message::Message;
 use nalgebra::Vector3;
-use sim_core::{Options, PawnId, Report, World};
-use system_tests::{Server, init, problems, run};
+use sim_core::{Options, Report, World};
+use system_tests::{Server, Stage, init, run};
 
-/// A world with a controller.
-struct Stage {
-    world: World,
-    controller: PawnId,
-}
-
-impl Stage {
-    fn new(map: &str) -> Self {
-        let mut world = World::new(scene_loader::load(map, &[]).expect("a map"), Options::default());
-        let controller = init(&mut world, "INIT {ClassName USARBotAPI.WorldController}");
-        Self { world, controller }
-    }
-
-    /// Sends an order. Returns the problems with it.
-    fn order(&mut self, text: &str) -> Vec<String> {
-        problems(&mut self.world, self.controller, &format!("CONTROL {text}"))
-    }
-
-    /// Sends an order that has no problem.
-    fn must(&mut self, text: &str) {
-        assert_eq!(self.order(text), [""; 0], "{text}");
-    }
-
-    /// Returns the position of an object.
-    fn at(&self, name: &str) -> Vector3<f64> {
-        let object = self.world.objects().find(|object| object.def.solid.name == name);
-        object.unwrap_or_else(|| panic!("no {name}")).pose.translation.vector
-    }
+/// Puts a controller into a world on a map.
+fn stage_on(map: &str) -> Stage {
+    Stage::new(map, Options::default())
 }
 
 #[test]
 fn a_rigid_crate_falls_and_rests_and_one_without_physics_stays_in_the_air() {
-    let mut stage = Stage::new("rough");
+    let mut stage = stage_on("rough");
     stage.must("{Type Create} {ClassName WCCrate} {Name falls} {Location 0,0,-1} {Physics RigidBody}");
     stage.must("{Type Create} {ClassName WCCrate} {Name stays} {Location 2,0,-1}");
     run(&mut stage.world, 2.0);
@@ -51,7 +26,7 @@ fn a_rigid_crate_falls_and_rests_and_one_without_physics_stays_in_the_air() {
 fn a_robot_pushes_a_rigid_crate_and_stops_at_one_without_physics() {
     for (physics, moves) in [("RigidBody", true), ("None", false)] {
         for class in ["P3AT", "KUKA_YouBot"] {
-            let mut stage = Stage::new("rough");
+            let mut stage = stage_on("rough");
             let robot = init(&mut stage.world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,-0.2}}"));
             run(&mut stage.world, 1.0);
             stage.must(&format!(
@@ -72,7 +47,7 @@ fn a_robot_pushes_a_rigid_crate_and_stops_at_one_without_physics() {
 fn a_crate_on_top_falls_when_the_one_below_is_removed_or_moved() {
     for order in ["{Type Kill} {Name below}", "{Type AbsMove} {Name below} {Location 5,5,-0.25}"] {
         for physics in ["RigidBody", "None"] {
-            let mut stage = Stage::new("rough");
+            let mut stage = stage_on("rough");
             stage.must(&format!(
                 "{{Type Create}} {{ClassName WCCrate}} {{Name below}} {{Location 0,0,-0.25}} {{Physics {physics}}}"
             ));
@@ -90,7 +65,7 @@ fn a_crate_on_top_falls_when_the_one_below_is_removed_or_moved() {
 #[test]
 fn a_moving_platform_carries_what_stands_on_it() {
     for load in ["crate", "P3AT"] {
-        let mut stage = Stage::new("rough");
+        let mut stage = stage_on("rough");
         stage.must("{Type Create} {ClassName WCPallet} {Name lift} {Location 0,0,-0.3} {Scale 2,2,1}");
         let robot = if load == "crate" {
             stage.must("{Type Create} {ClassName WCCrate} {Name load} {Location 0,0,-0.63} {Physics RigidBody}");
@@ -123,7 +98,7 @@ fn a_moving_platform_carries_what_stands_on_it() {
 
 #[test]
 fn a_turning_platform_turns_a_robot() {
-    let mut stage = Stage::new("rough");
+    let mut stage = stage_on("rough");
     stage.must("{Type Create} {ClassName WCPallet} {Name table} {Location 0,0,-0.3} {Scale 2,2,1}");
     let robot = init(&mut stage.world, "INIT {ClassName USARBot.P3AT} {Location 0,0,-0.7}");
     run(&mut stage.world, 1.0);
@@ -140,7 +115,7 @@ fn a_turning_platform_turns_a_robot() {
 #[test]
 fn a_robot_is_moved_by_its_name_and_put_beside_what_is_there() {
     for class in ["P3AT", "KUKA_YouBot", "YouBotArm"] {
-        let mut stage = Stage::new("rough");
+        let mut stage = stage_on("rough");
         let robot =
             init(&mut stage.world, &format!("INIT {{ClassName USARBot.{class}}} {{Name Rob}} {{Location 0,0,-0.2}}"));
         let at = |stage: &Stage| stage.world.observe(robot).expect("a robot").body.pose.translation.vector;
@@ -162,7 +137,7 @@ fn a_robot_is_moved_by_its_name_and_put_beside_what_is_there() {
 
 #[test]
 fn orders_that_cannot_be_followed_say_why() {
-    let mut stage = Stage::new("rough");
+    let mut stage = stage_on("rough");
     stage.must("{Type Create} {ClassName WCCrate} {Name c} {Location 0,0,-0.25}");
     for (order, why) in [
         (
@@ -220,7 +195,7 @@ fn an_object_is_created_where_only_a_part_of_the_order_is_unknown() {
         ("{ClassName WCCrate} {Location 1.0, 2.0, -3.0} {Rotation  0, 0, 0}", crate_at([1.0, 2.0, -3.0]), ""),
     ];
     for (create, (class, location, stays), problem) in rows {
-        let mut stage = Stage::new("rough");
+        let mut stage = stage_on("rough");
         let problems = stage.order(&format!("{{Type Create}} {create}"));
         assert_eq!(problems.is_empty(), problem.is_empty(), "{create}: {problems:?}");
         assert!(problems.iter().all(|it| it.contains(problem)), "{create}: {problems:?}");
@@ -243,7 +218,7 @@ fn create(number: i32, rest: &str) -> String {
 /// Objects come and go without end and leave nothing behind.
 #[test]
 fn five_hundred_objects_come_and_go() {
-    let mut stage = Stage::new("rough");
+    let mut stage = stage_on("rough");
     for round in 0..3 {
         (0..512).for_each(|number| stage.must(&create(number, "{Physics RigidBody}")));
         let problems = stage.order("{Type Create} {ClassName WCCrate} {Name more} {Location 0,0,-9}");
@@ -263,7 +238,7 @@ fn five_hundred_objects_come_and_go() {
 /// However many objects a controller makes, the next one can make some, too.
 #[test]
 fn every_controller_finds_room_beside_greedy_ones() {
-    let mut stage = Stage::new("rough");
+    let mut stage = stage_on("rough");
     let mut number = 0;
     for share in [512, 256, 128, 64] {
         stage.controller = init(&mut stage.world, "INIT {ClassName USARBotAPI.WorldController}");
@@ -279,7 +254,7 @@ fn every_controller_finds_room_beside_greedy_ones() {
 /// Permanent objects stay, but they block nobody: in a full world the oldest give way to new ones.
 #[test]
 fn objects_that_a_controller_left_behind_give_way() {
-    let mut stage = Stage::new("rough");
+    let mut stage = stage_on("rough");
     let of_map = stage.world.objects().count();
     for round in 0..2 {
         (0..512).for_each(|number| stage.must(&create(round * 512 + number, "{Permanent true}")));
@@ -302,7 +277,7 @@ fn objects_that_a_controller_left_behind_give_way() {
 /// The points of all paths together are bounded, so that nobody can fill the memory with them.
 #[test]
 fn points_of_paths_are_shared_as_objects_are() {
-    let mut stage = Stage::new("rough");
+    let mut stage = stage_on("rough");
     let add = |number: i32| {
         let points = vec!["1,2,-3"; 256].join(";");
         format!("{{Type AddWP}} {{Name c{number}}} {{WP {points}}}")
@@ -334,7 +309,7 @@ fn points_of_paths_are_shared_as_objects_are() {
 /// A saved world names the points of a path alone, as before there were limits, and goes on along it with the same bits.
 #[test]
 fn a_saved_path_goes_on_where_it_was() {
-    let mut stage = Stage::new("rough");
+    let mut stage = stage_on("rough");
     stage.must("{Type Create} {ClassName WCCrate} {Name c} {Location 0,0,-5}");
     stage.must("{Type AddWP} {Name c} {WP 0,0,-5;3,4,-5;3,8,-5}");
     stage.must("{Type SetWP} {Name c} {Speed 2} {Loop true}");
@@ -353,7 +328,7 @@ fn a_saved_path_goes_on_where_it_was() {
 /// A bar of 2 km that turns slowly has fast ends.
 #[test]
 fn the_farthest_point_of_a_turning_object_is_no_faster_than_one_on_a_path() {
-    let mut stage = Stage::new("rough");
+    let mut stage = stage_on("rough");
     stage.must("{Type Create} {ClassName WCCrate} {Name bar} {Location 0,0,-900} {Scale 2000,1,1}");
     stage.must("{Type Create} {ClassName WCCrate} {Name small} {Location 0,0,-5}");
     stage.must("{Type Rotate} {Name small} {Speed 0,0,50}");
@@ -387,7 +362,7 @@ fn a_client_reads_the_states_of_many_objects() {
 /// The answer to GetSTA stays a line that a client can keep, whatever its objects are called.
 #[test]
 fn the_states_of_many_objects_are_cut_to_a_line_and_it_is_said() {
-    let mut stage = Stage::new("rough");
+    let mut stage = stage_on("rough");
     let long = "n".repeat(250);
     for number in 0..512 {
         let name = format!("{{Name c{number}}}");
@@ -414,7 +389,7 @@ fn the_states_of_many_objects_are_cut_to_a_line_and_it_is_said() {
 /// Two controllers have their own objects, and each takes only its own along.
 #[test]
 fn a_controller_that_leaves_takes_only_its_own_objects() {
-    let mut stage = Stage::new("hall");
+    let mut stage = stage_on("hall");
     let of_map = stage.world.objects().count();
     stage.must("{Type Create} {ClassName WCCrate} {Name c} {Location -4,0,-0.25}");
     stage.must("{Type Create} {ClassName WCCrate} {Name kept} {Location -4,1,-0.25} {Permanent true}");

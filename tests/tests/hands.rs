@@ -1,8 +1,8 @@
 //! Hands: world controllers that pull objects and robots by springs.
 
 use nalgebra::Vector3;
-use sim_core::{Options, PawnId, World};
-use system_tests::{Server, init, problems};
+use sim_core::{Options, World};
+use system_tests::{Server, Stage, init, problems};
 
 /// Way that what is lifted hangs below the hand, m: gravity over the square of the spring's frequency.
 const SAG: f64 = GRAVITY / 100.0;
@@ -10,7 +10,7 @@ const SAG: f64 = GRAVITY / 100.0;
 const GRAVITY: f64 = 9.81;
 const CRATE: &str = "{Type Create} {ClassName WCCrate} {Name box} {Location 1,0,-0.26} {Physics RigidBody}";
 
-/// Runs a world for a time, s, in steps of any length.
+/// Runs a world for a time, s, in its own steps.
 fn run(world: &mut World, seconds: f64) {
     let end = world.time() + seconds;
     while world.time() < end {
@@ -18,41 +18,14 @@ fn run(world: &mut World, seconds: f64) {
     }
 }
 
-/// A world with a controller.
-struct Stage {
-    world: World,
-    hand: PawnId,
-}
-
-impl Stage {
-    fn new(time_step: f64) -> Self {
-        let options = Options { time_step, ..Options::default() };
-        let mut world = World::new(scene_loader::load("rough", &[]).expect("a map"), options);
-        let hand = init(&mut world, "INIT {ClassName WorldController}");
-        Self { world, hand }
-    }
-
-    fn order(&mut self, text: &str) -> Vec<String> {
-        problems(&mut self.world, self.hand, &format!("CONTROL {text}"))
-    }
-
-    fn must(&mut self, text: &str) {
-        assert_eq!(self.order(text), [""; 0], "{text}");
-    }
-
-    /// Returns pose and size of an object of a controller.
-    fn object(&self, name: &str) -> scene::ObjectSnapshot {
-        self.world.objects().find(|object| object.def.solid.name == name).expect("an object")
-    }
-
-    fn at(&self, name: &str) -> Vector3<f64> {
-        self.object(name).pose.translation.vector
-    }
+/// Puts a controller into a world with a time step, s.
+fn stage_with(time_step: f64) -> Stage {
+    Stage::new("rough", Options { time_step, ..Options::default() })
 }
 
 #[test]
 fn a_crate_is_lifted_hangs_below_the_hand_and_falls_when_it_is_let_go() {
-    let mut stage = Stage::new(0.008);
+    let mut stage = stage_with(0.008);
     stage.must(CRATE);
     run(&mut stage.world, 2.0);
     // It sleeps now, and its lid is pulled.
@@ -72,7 +45,7 @@ fn a_crate_is_lifted_hangs_below_the_hand_and_falls_when_it_is_let_go() {
 
 #[test]
 fn a_crate_is_turned_by_its_rotation_and_thrown_by_a_hand_that_goes_on() {
-    let mut stage = Stage::new(0.008);
+    let mut stage = stage_with(0.008);
     stage.must(CRATE);
     stage.must("{Type Pull} {Name box} {Location 1,0,-1} {Rotation 0,0.5,1.2}");
     run(&mut stage.world, 3.0);
@@ -89,7 +62,7 @@ fn a_crate_is_turned_by_its_rotation_and_thrown_by_a_hand_that_goes_on() {
 #[test]
 fn robots_are_lifted_by_name_or_number_and_drive_on() {
     for (class, name, called) in [("P3AT", "{Name Rob}", "Rob"), ("KUKA_YouBot", "", "#1"), ("YouBotArm", "", "#1")] {
-        let mut stage = Stage::new(0.008);
+        let mut stage = stage_with(0.008);
         let robot = init(&mut stage.world, &format!("INIT {{ClassName USARBot.{class}}} {name} {{Location 0,0,-0.2}}"));
         let at = |stage: &Stage| stage.world.observe(robot).expect("a robot").body.pose.translation.vector;
         run(&mut stage.world, 0.5);
@@ -125,7 +98,7 @@ fn nothing_swings_up_whatever_is_pulled_wherever_at_any_time_step() {
             ("WCCrate", "3,0,0"),
             ("WCCrate", "50,50,0"),
         ] {
-            let mut stage = Stage::new(time_step);
+            let mut stage = stage_with(time_step);
             stage.must(&format!("{{Type Create}} {{ClassName {class}}} {{Name box}} {{Physics RigidBody}}"));
             stage.must(&format!("{{Type Pull}} {{Name box}} {{Grip {grip}}} {{Location 1,1,-2}}"));
             run(&mut stage.world, 20.0);
@@ -142,7 +115,7 @@ fn nothing_swings_up_whatever_is_pulled_wherever_at_any_time_step() {
 
 #[test]
 fn a_pull_ends_with_its_thing_its_hand_or_another_hand() {
-    let mut stage = Stage::new(0.008);
+    let mut stage = stage_with(0.008);
     stage.must(&format!("{CRATE} {{Permanent true}}"));
     let other = init(&mut stage.world, "INIT {ClassName WorldController}");
     let pulls = |stage: &mut Stage| {
@@ -166,7 +139,7 @@ fn a_pull_ends_with_its_thing_its_hand_or_another_hand() {
 
 #[test]
 fn what_cannot_be_pulled_says_why() {
-    let mut stage = Stage::new(0.008);
+    let mut stage = stage_with(0.008);
     stage.must("{Type Create} {ClassName WCCrate} {Name stays} {Location 5,0,-1}");
     init(&mut stage.world, "INIT {ClassName AirRobot} {Name Fly} {Location 3,0,-2}");
     for (order, why) in [
@@ -194,7 +167,7 @@ fn what_cannot_be_pulled_says_why() {
 #[test]
 fn a_wall_stops_what_is_pulled_behind_it() {
     for thing in ["a crate", "P3AT", "KUKA_YouBot"] {
-        let mut stage = Stage::new(0.008);
+        let mut stage = stage_with(0.008);
         stage.must("{Type Create} {ClassName WCCrate} {Name wall} {Location 2,0,-2} {Scale 0.1,10,8}");
         let called = if thing == "a crate" {
             stage.must("{Type Create} {ClassName WCCrate} {Name box} {Location -2,0,-0.26} {Physics RigidBody}");
@@ -214,7 +187,7 @@ fn a_wall_stops_what_is_pulled_behind_it() {
 
 #[test]
 fn robots_and_crates_that_are_pulled_to_one_place_are_not_lost() {
-    let mut stage = Stage::new(0.008);
+    let mut stage = stage_with(0.008);
     for number in 0..12 {
         let (x, y) = (-3 + 2 * (number % 4), -2 + 2 * (number / 4));
         let class = ["P3AT", "KUKA_YouBot", "Kenaf"][number as usize % 3];
@@ -235,7 +208,7 @@ fn robots_and_crates_that_are_pulled_to_one_place_are_not_lost() {
 
 #[test]
 fn a_saved_world_is_pulled_on_with_the_same_bits() {
-    let mut stage = Stage::new(0.008);
+    let mut stage = stage_with(0.008);
     stage.must(CRATE);
     stage.must("{Type Pull} {Name box} {Grip 0.25,0.1,0} {Location 0,1,-2} {Rotation 0,0,1}");
     run(&mut stage.world, 0.5);
