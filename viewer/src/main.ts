@@ -345,8 +345,7 @@ function followLink({ map, robots, camera, log }: Link, status: Status): void {
 
 function showFrame(frame: Frame): void {
   state.frame = frame;
-  const { chosenObject } = state;
-  if (chosenObject !== null && !frame.objects.some(({ number }) => number === chosenObject)) choose(null);
+  if (state.chosenObject !== null && !state.objectPose(state.chosenObject)) choose(null);
   view.setFrame(frame);
   if (playback.mode === 'log') plots.push(frame);
   plots.showMoment(playback.mode === 'live' ? null : frame.time);

@@ -2,7 +2,7 @@
 
 import type { Frame, RobotState } from './protocol/frame';
 import type { Status } from './protocol/live';
-import type { RobotClass, Scene, Solid } from './protocol/scene';
+import type { Pose, RobotClass, Scene, Solid } from './protocol/scene';
 import { bodyColour, colourOf } from './view/colours';
 import { type Reading, type SensorValues, addReading } from './protocol/sensors';
 
@@ -53,6 +53,11 @@ export class State {
   /** Returns a movable object; null before the server has sent it. */
   object(number: number): Solid | null {
     return this.scene?.map.objects[number] ?? this.spawned.get(number) ?? null;
+  }
+
+  /** Pose of an object; null if it is not there. */
+  objectPose(number: number | null): Pose | null {
+    return this.frame?.objects.find((object) => object.number === number)?.pose ?? null;
   }
 
   /** Numbers of the objects that are there. */

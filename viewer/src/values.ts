@@ -20,7 +20,8 @@ export interface Group {
   values: Value[];
 }
 
-const DEGREES = 180 / Math.PI;
+/** Degrees of a radian. */
+export const DEGREES = 180 / Math.PI;
 
 /** Lists what every robot has, then its wheels, joints and sensors, as far as these have measured. */
 export function valuesOf(robotClass: RobotClass, sensors: SensorValues): Group[] {

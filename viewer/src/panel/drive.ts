@@ -8,7 +8,7 @@ import { find, make, setText } from './dom';
 import { readGamepad } from './gamepad';
 import { JointsPanel } from './joints';
 import { isForControl } from './keys';
-import { type Placing, SpawnForm } from './spawn';
+import { type Placing, SpawnForm, spawnPlace } from './spawn';
 import { Stick } from './stick';
 
 const KEYS: Record<string, Partial<Twist>> = {
@@ -175,9 +175,8 @@ export class DrivePanel {
   }
 
   /** Spawns a robot of the form's class at a place of the floor. */
-  spawnHere([x, y, z]: Vector): void {
-    // A little above, from where it is put down.
-    this.spawnAt(this.form.robotClass, [x, y, z - 0.01]);
+  spawnHere(place: Vector): void {
+    this.spawnAt(this.form.robotClass, spawnPlace(place));
   }
 
   /** Spawns a robot as it is said, whatever the form offers. */

@@ -4,6 +4,7 @@ import type { Pose, Vector } from '../protocol/scene';
 import { rollPitchYaw } from '../protocol/frame';
 import type { State } from '../state';
 import { ownPoint } from '../view/pose';
+import { spawnPlace } from './spawn';
 
 /** Robot or object that somebody takes. */
 export type Thing = { robot: number } | { object: number };
@@ -71,13 +72,12 @@ export class Hands {
   }
 
   /** Puts a robot down on the floor at a place, upright, with its heading. */
-  putDown([x, y, z]: Vector): void {
+  putDown(place: Vector): void {
     if (!this.taken) return;
     const { name, pose } = this.taken;
     // Somebody has stopped time while it was pulled.
     this.release();
-    // A little above the floor, on which it is put down.
-    const at = `{Location ${numbers([x, y, z - 0.01])}} {Rotation ${numbers([0, 0, rollPitchYaw(pose)[2]])}}`;
+    const at = `{Location ${numbers(spawnPlace(place))}} {Rotation ${numbers([0, 0, rollPitchYaw(pose)[2]])}}`;
     this.send(`CONTROL {Type AbsMove} {Name ${name}} ${at}`);
   }
 
@@ -96,7 +96,7 @@ export class Hands {
     let count = 1;
     while (names.has(`${objectClass}-${count}`)) count++;
     const what = `{ClassName ${objectClass}} {Name ${objectClass}-${count}}`;
-    const where = `{Location ${numbers([x, y, z - height / 2 - 0.01])}}`;
+    const where = `{Location ${numbers(spawnPlace([x, y, z - height / 2]))}}`;
     this.send(`CONTROL {Type Create} ${what} ${where} {Physics RigidBody} {Permanent true}`);
   }
 
@@ -114,7 +114,7 @@ export class Hands {
 
   private poseOf(thing: Thing): Pose | null {
     if ('robot' in thing) return this.state.robotState(thing.robot)?.pose ?? null;
-    return this.state.frame?.objects.find(({ number }) => number === thing.object)?.pose ?? null;
+    return this.state.objectPose(thing.object);
   }
 
   /** Sends a line in a moment. If another one comes before, that counts. */

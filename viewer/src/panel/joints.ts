@@ -3,6 +3,7 @@
 import type { Client } from '../protocol/client';
 import type { RobotState } from '../protocol/frame';
 import type { Gripper, Joint, RobotClass } from '../protocol/scene';
+import { DEGREES } from '../values';
 import { fixed, make, remember, remembered, setText } from './dom';
 
 type JointState = RobotState['joints'][number];
@@ -13,11 +14,12 @@ const PAGE = 10;
 /** Digits after the point, and a second unit for people. */
 const DIGITS = { rad: 3, m: 4 };
 const IN_WORDS = {
-  rad: (value: number) => `${fixed((value * 180) / Math.PI, 1)}°`,
+  rad: (value: number) => `${fixed(DEGREES * value, 1)}°`,
   m: (value: number) => `${fixed(value * 1000, 1)} mm`,
 };
-/** Units in which a person reads and types: the joint's own, or degrees. */
-const DEGREES = { unit: '°', factor: 180 / Math.PI, digits: 1 };
+/** Unit in which a person reads and types in place of radians, and whether that is chosen. */
+const IN_DEGREES = { unit: '°', factor: DEGREES, digits: 1 };
+let isInDegrees = remembered('angles') === 'degrees';
 /** Poses of a class that are kept, at most. */
 const MOST_POSES = 8;
 /** A joint that stands farther than so many steps from its target has been stopped or moved by something else. */
@@ -45,7 +47,8 @@ export class JointsPanel {
 
   constructor() {
     this.units.onclick = () => {
-      remember('angles', isInDegrees() ? 'rad' : 'degrees');
+      isInDegrees = !isInDegrees;
+      remember('angles', isInDegrees ? 'degrees' : 'rad');
       this.showUnits();
     };
   }
@@ -71,7 +74,7 @@ export class JointsPanel {
   }
 
   private showUnits(): void {
-    setText(this.units, isInDegrees() ? 'Radians' : 'Degrees');
+    setText(this.units, isInDegrees ? 'Radians' : 'Degrees');
     this.sliders.forEach((row) => row.showUnit());
   }
 
@@ -164,8 +167,8 @@ class JointRow {
   }
 
   /** Unit in which a person reads: its factor to the joint's own, and digits after the point. */
-  private get read(): typeof DEGREES {
-    if (this.unit === 'rad' && isInDegrees()) return DEGREES;
+  private get read(): typeof IN_DEGREES {
+    if (this.unit === 'rad' && isInDegrees) return IN_DEGREES;
     return { unit: this.unit, factor: 1, digits: DIGITS[this.unit] };
   }
 
@@ -229,10 +232,6 @@ class JointRow {
     this.target = { value, at: performance.now() };
     this.send(value);
   }
-}
-
-function isInDegrees(): boolean {
-  return remembered('angles') === 'degrees';
 }
 
 class GripperRow {

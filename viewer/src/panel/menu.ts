@@ -32,12 +32,16 @@ export function showMenu(title: string, items: readonly Item[], x: number, y: nu
   menu.onkeydown = (event) => {
     const at = buttons.indexOf(document.activeElement as HTMLButtonElement);
     const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
-    if (step) buttons[(at + step + buttons.length) % buttons.length]?.focus();
-    else if (event.key === 'Escape' || event.key === 'Tab') close?.();
-    else if (event.key !== 'Enter' && event.key !== ' ') return;
+    const [isEnd, isPress] = [
+      ['Escape', 'Tab'],
+      ['Enter', ' '],
+    ].map((keys) => keys.includes(event.key));
+    if (!step && !isEnd && !isPress) return;
     // Keys of the menu neither drive nor press what is behind it.
     event.stopPropagation();
-    if (event.key !== 'Enter' && event.key !== ' ') event.preventDefault();
+    if (!isPress) event.preventDefault();
+    if (step) buttons[(at + step + buttons.length) % buttons.length]?.focus();
+    if (isEnd) close?.();
   };
   document.addEventListener('pointerdown', outside, true);
   document.body.append(menu);

@@ -6,7 +6,7 @@ import type { State } from '../state';
 import type { Hit, View } from '../view/view';
 import { find, setText } from './dom';
 import type { Hands, Thing } from './hands';
-import type { Placing } from './spawn';
+import { type Placing, spawnPlace } from './spawn';
 
 /** A press that moves farther is no click, px. */
 const CLICK_REACH = 5;
@@ -179,9 +179,4 @@ export class Pointer {
       this.pressed === null || Math.hypot(clientX - this.pressed.clientX, clientY - this.pressed.clientY) > CLICK_REACH
     );
   }
-}
-
-/** A little above the ground, on which the robot is put down. */
-function spawnPlace([x, y, z]: Vector): Vector {
-  return [x, y, z - 0.01];
 }

@@ -3,6 +3,7 @@
 import { type Link, writeLink } from '../link';
 import type { Playback } from '../playback';
 import { rollPitchYaw } from '../protocol/frame';
+import type { Vector } from '../protocol/scene';
 import type { State } from '../state';
 import type { View } from '../view/view';
 import { closeDialog, showDialog } from './dialog';
@@ -59,10 +60,10 @@ export class Sharing {
     const { scene, status, frame } = this.state;
     const { logName } = this.playback;
     const robots = (status?.robots ?? []).flatMap(({ id, class: robotClass }) => {
-      const pose = frame?.robots.find((robot) => robot.id === id)?.pose;
+      const pose = this.state.robotState(id)?.pose;
       if (!pose) return [];
       const [x, y, z] = pose;
-      return [{ robotClass, location: [x, y, z] as [number, number, number], yaw: rollPitchYaw(pose)[2] }];
+      return [{ robotClass, location: [x, y, z] as Vector, yaw: rollPitchYaw(pose)[2] }];
     });
     return {
       map: scene?.map.name ?? null,

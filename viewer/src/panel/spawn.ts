@@ -208,3 +208,8 @@ function freeName(name: string, taken: string[]): string {
   for (let next = Number(number || 1) + 1; taken.includes(name); next++) name = `${stem}${next}`;
   return name;
 }
+
+/** A little above the ground, on which it is put down. */
+export function spawnPlace([x, y, z]: Vector): Vector {
+  return [x, y, z - 0.01];
+}

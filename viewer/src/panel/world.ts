@@ -2,7 +2,7 @@
 
 import { rollPitchYaw } from '../protocol/frame';
 import type { State } from '../state';
-import { type Group, type Value, valuesOf } from '../values';
+import { DEGREES, type Group, type Value, valuesOf } from '../values';
 import type { Vector } from '../protocol/scene';
 import { find, fixed, make, remember, remembered, setText } from './dom';
 import type { Pictures } from './pictures';
@@ -83,10 +83,10 @@ export class WorldPanel {
   }
 
   private writePlace({ number, output }: NonNullable<typeof this.place>): void {
-    const pose = this.state.frame?.objects.find((object) => object.number === number)?.pose;
+    const pose = this.state.objectPose(number);
     if (!pose) return setText(output, 'not there');
     const [x, y, z] = pose.map((part) => fixed(part, 3));
-    const degrees = rollPitchYaw(pose).map((angle) => fixed((angle * 180) / Math.PI, 1));
+    const degrees = rollPitchYaw(pose).map((angle) => fixed(DEGREES * angle, 1));
     setText(output, `x ${x}  y ${y}  z ${z} m\nroll ${degrees[0]}°  pitch ${degrees[1]}°  yaw ${degrees[2]}°`);
   }
 

@@ -25,3 +25,8 @@ export function ownPoint([x, y, z, i, j, k, w]: Pose, place: Vector): Vector {
 export function onStage([x, y, z]: Vector): THREE.Vector3 {
   return new THREE.Vector3(x, -y, -z);
 }
+
+/** Returns a place of the stage in the wire's frame. */
+export function onWire({ x, y, z }: THREE.Vector3): Vector {
+  return [x, -y, -z];
+}

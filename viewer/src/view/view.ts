@@ -13,7 +13,7 @@ import { type Catalogue, MapView, objectsOf } from './map';
 import { moved } from './moved';
 import { Outline } from './outline';
 import { type Layer, Overlay, mountOf } from './overlay';
-import { onStage } from './pose';
+import { onStage, onWire } from './pose';
 import { Pulls } from './pulls';
 import type { Quality } from './quality';
 import { Robots, type Roster } from './robots';
@@ -44,8 +44,9 @@ const CAMERA_IN_SENSOR = new THREE.Matrix4().makeBasis(
   new THREE.Vector3(-1, 0, 0),
 );
 
-/** Thing at a point of the screen, and its place there in the wire's frame. */
-export type Hit = ({ robot: number } | { object: number } | { ground: true }) & { place: Vector };
+/** Robot or object at a point of the screen, and its place there in the wire's frame; or the ground. */
+type ThingHit = ({ robot: number } | { object: number }) & { place: Vector };
+export type Hit = ThingHit | { ground: true; place: Vector };
 
 interface World {
   scene: Scene;
@@ -99,7 +100,7 @@ export class View {
         surfaceAt: (x, y) => this.surfaceAt(x, y),
         robot: () => this.lookedRobot(),
         robotsEye: () => this.robotsEye(),
-        hover: (x, y) => this.hover(this.pick(x, y)),
+        hover: (x, y) => this.hover(this.thingAt(this.rayAt(x, y))),
         leave: () => this.hover(null),
       },
       refresh,
@@ -294,14 +295,10 @@ export class View {
 
   /** Returns what is at a point of the screen. */
   pick(x: number, y: number): Hit | null {
-    const ray = this.rayAt(x, y);
-    const [robot, object, ground] = [this.meet(ray), this.world?.map.meet(ray) ?? null, this.groundHit(ray)];
-    const first = Math.min(...[robot, object, ground].map((hit) => hit?.distance ?? Infinity));
-    if (first === Infinity) return null;
-    const { x: ahead, y: left, z: up } = ray.ray.at(first, new THREE.Vector3());
-    const place: Vector = [ahead, -left, -up];
-    if (robot?.distance === first) return { robot: robot.robot, place };
-    return object?.distance === first ? { object: object.object, place } : { ground: true, place };
+    const thing = this.thingAt(this.rayAt(x, y));
+    if (thing) return thing;
+    const place = this.groundAt(x, y);
+    return place && { ground: true, place };
   }
 
   /** Returns the point under a point of the screen at the height of a place, or upright above and below it; null beside it. */
@@ -313,13 +310,13 @@ export class View {
     const hit = ray.intersectPlane(plane, new THREE.Vector3());
     // Near the horizon a pixel is many metres.
     if (!hit || hit.distanceTo(through) > 4 * this.cameras.distance) return null;
-    return isUpright ? [through.x, -through.y, -hit.z] : [hit.x, -hit.y, -hit.z];
+    return onWire(isUpright ? through.setZ(hit.z) : hit);
   }
 
   /** The ground at a point of the screen, whatever robot stands on it, in the wire's frame. */
   groundAt(x: number, y: number): Vector | null {
     const hit = this.groundHit(this.rayAt(x, y));
-    return hit && [hit.point.x, -hit.point.y, -hit.point.z];
+    return hit && onWire(hit.point);
   }
 
   /** Shows a robot of a class as if it were put on the ground there, red where it cannot stand; or none. */
@@ -341,8 +338,7 @@ export class View {
 
   /** Place of the camera and place that it looks at, in the wire's frame. */
   get viewpoint(): Viewpoint {
-    const wire = ({ x, y, z }: THREE.Vector3): Vector => [x, -y, -z];
-    return { from: wire(this.cameras.eye), at: wire(this.cameras.target) };
+    return { from: onWire(this.cameras.eye), at: onWire(this.cameras.target) };
   }
 
   /** Looks from a place at another. */
@@ -498,6 +494,17 @@ export class View {
     return this.world ? (ray.intersectObject(this.world.map.ground, true)[0] ?? null) : null;
   }
 
+  /** The robot or object that a ray meets before the ground, which is looked at only behind one: that takes longer. */
+  private thingAt(ray: THREE.Raycaster): ThingHit | null {
+    const [robot, object] = [this.meet(ray), this.world?.map.meet(ray) ?? null];
+    const first = object && object.distance < (robot?.distance ?? Infinity) ? object : robot;
+    if (!first) return null;
+    ray.far = first.distance;
+    if (this.groundHit(ray)) return null;
+    const place = onWire(ray.ray.at(first.distance, new THREE.Vector3()));
+    return 'robot' in first ? { robot: first.robot, place } : { object: first.object, place };
+  }
+
   private meet(ray: THREE.Raycaster): { robot: number; distance: number } | null {
     return this.world?.robots.meet(ray.ray.clone().applyMatrix4(this.stage.world.matrixWorld.clone().invert())) ?? null;
   }
@@ -519,7 +526,7 @@ export class View {
     return kind !== 'metres' && this.groundHit(ray) !== null;
   }
 
-  private hover(hit: Hit | null): void {
+  private hover(hit: ThingHit | null): void {
     const robot = hit && 'robot' in hit ? hit.robot : null;
     const object = hit && 'object' in hit ? hit.object : null;
     if (!this.world || (this.world.robots.hovered === robot && this.hovered === object)) return;
