@@ -9,6 +9,8 @@ const KEPT = 5400;
 /** Bytes that they may take together: fewer are kept of a world with many robots. */
 const MOST_BYTES = 64 << 20;
 
+/** First time between two old frames, s. */
+const FIRST_STEP = 0.05;
 /** Frames are dropped until so many of them are left, so that it is done seldom. */
 const ENOUGH = 0.8;
 
@@ -20,7 +22,7 @@ interface Kept {
 export class History {
   private frames: Kept[] = [];
   /** Time between two old frames, s. */
-  private step = 0.05;
+  private step = FIRST_STEP;
   private bytes = 0;
 
   add(time: number, bytes: ArrayBuffer): void {
@@ -58,7 +60,7 @@ export class History {
 
   clear(): void {
     this.frames = [];
-    [this.bytes, this.step] = [0, 0.05];
+    [this.bytes, this.step] = [0, FIRST_STEP];
   }
 
   /** First and last time that can be looked at, s. */

@@ -55,9 +55,11 @@ export class Marks {
   takePace(time: number, { paused, speed, real_time_factor: factor }: Status): void {
     if (paused || speed === 0 || time === 0 || factor >= ENOUGH * speed) return;
     const last = this.late.at(-1);
-    if (last && time - last.to < GAP * speed) [last.to, last.factor] = [time, Math.min(last.factor, factor)];
+    const goesOn = last !== undefined && time - last.to < GAP * speed;
     // The factor is that of the last half second.
-    else this.late = [...this.late, { from: Math.max(0, time - factor / 2), to: time, factor }].slice(-MOST_LATE);
+    const from = goesOn ? last.from : Math.max(0, time - factor / 2);
+    const now = { from, to: time, factor: goesOn ? Math.min(last.factor, factor) : factor };
+    this.late = [...(goesOn ? this.late.slice(0, -1) : this.late), now].slice(-MOST_LATE);
   }
 
   clear(): void {

@@ -5,9 +5,11 @@ import { find, make, setText } from './dom';
 
 export class TimeLine {
   private readonly slider = find<HTMLInputElement>('timeline');
-  private readonly element = find('marks');
+  private readonly dots = find('marks');
   private readonly bands = find('late');
-  private shown: Mark[] = [];
+  /** Marks and bands that are shown. */
+  private marks: Mark[] = [];
+  private late: readonly Late[] = [];
   private isHeld = false;
 
   /** `goLive` returns to the present: the end of the run so far. */
@@ -29,30 +31,22 @@ export class TimeLine {
     if (!this.isHeld) this.slider.value = String(time);
     setText(find('first-time'), seconds(first));
     setText(find('last-time'), seconds(last));
-    if (marks.length !== this.shown.length || marks.some((mark, index) => mark !== this.shown[index]))
-      this.build(marks);
-    this.place(first, last);
-    this.showLate(late, first, last);
-  }
-
-  private showLate(late: readonly Late[], first: number, last: number): void {
+    if (differ(marks, this.marks)) this.buildMarks(marks);
+    if (differ(late, this.late)) this.buildLate(late);
     const length = Math.max(1e-9, last - first);
-    const within = late.filter(({ to }) => to > first);
-    this.bands.replaceChildren(
-      ...within.map(({ from, to, factor }) => {
-        const title = `${seconds(from)} to ${seconds(to)}: slower than asked for, down to ${factor.toFixed(2)} of real time`;
-        const band = make('i', { class: 'late', title });
-        const start = Math.max(first, from);
-        band.style.left = `${(100 * (start - first)) / length}%`;
-        band.style.width = `${(100 * (to - start)) / length}%`;
-        return band;
-      }),
-    );
+    const at = (time: number) => (100 * (Math.max(first, Math.min(last, time)) - first)) / length;
+    this.marks.forEach(({ time }, index) => ((this.dots.children[index] as HTMLElement).style.left = `${at(time)}%`));
+    this.late.forEach(({ from, to }, index) => {
+      const { style } = this.bands.children[index] as HTMLElement;
+      style.left = `${at(from)}%`;
+      style.width = `${at(to) - at(from)}%`;
+      style.visibility = to > first ? '' : 'hidden';
+    });
   }
 
-  private build(marks: Mark[]): void {
-    this.shown = marks;
-    this.element.replaceChildren(
+  private buildMarks(marks: Mark[]): void {
+    this.marks = marks;
+    this.dots.replaceChildren(
       ...marks.map(({ time, kind, what }) => {
         const mark = make('i', { class: 'mark', 'data-kind': kind, title: `${seconds(time)}: ${what}` });
         mark.onclick = () => this.goTo(time);
@@ -61,13 +55,20 @@ export class TimeLine {
     );
   }
 
-  private place(first: number, last: number): void {
-    const length = Math.max(1e-9, last - first);
-    this.shown.forEach(({ time }, index) => {
-      const mark = this.element.children[index] as HTMLElement;
-      mark.style.left = `${(100 * (Math.max(first, Math.min(last, time)) - first)) / length}%`;
-    });
+  private buildLate(late: readonly Late[]): void {
+    this.late = late;
+    this.bands.replaceChildren(
+      ...late.map(({ from, to, factor }) => {
+        const title = `${seconds(from)} to ${seconds(to)}: slower than asked for, down to ${factor.toFixed(2)} of real time`;
+        return make('i', { class: 'late', title });
+      }),
+    );
   }
+}
+
+/** True if two lists do not have the same things. */
+function differ(one: readonly unknown[], other: readonly unknown[]): boolean {
+  return one.length !== other.length || one.some((thing, index) => thing !== other[index]);
 }
 
 /** Formats a time shortly: 12.3 s, 4:05. */
