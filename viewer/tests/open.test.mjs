@@ -102,7 +102,8 @@ pageTest('a folder that is dropped has its meshes, and asks which robot is meant
 pageTest('a world that is dropped becomes the map, and robots of this page stay', rough, async ({ page }) => {
   const folder = folderOf({ 'court.world': COURT, 'cart.urdf': CART });
   await drop(page, [join(folder, 'cart.urdf')]);
-  await page.waitForSelector('[data-robot]');
+  // Before, it may be somebody else's, who would have to agree.
+  await page.waitForSelector('[data-robot]:has-text("yours")');
   await drop(page, [join(folder, 'court.world')]);
   await page.waitForSelector(card('court: 2 solids'));
   await page.waitForSelector('#map:text-is("court")');
