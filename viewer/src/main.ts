@@ -12,6 +12,7 @@ import { Door } from './panel/door';
 import { DrivePanel } from './panel/drive';
 import { Hands, type Thing } from './panel/hands';
 import { focusView, returnFocusAfterChoice } from './panel/keys';
+import { Leading } from './panel/leading';
 import { changeMap, offerMaps } from './panel/maps';
 import { Mission } from './panel/mission';
 import { plainNotice } from './panel/notices';
@@ -125,10 +126,16 @@ const menu = new ContextMenu(state, view, hands, {
   spawnAt: (place) => drive.spawnHere(place),
   remove: removeChosen,
 });
+const leading = new Leading(
+  state,
+  (positions) => drive.moveJoints(positions),
+  (led) => view.showLed(led),
+);
 const pointer = new Pointer(
   state,
   view,
   hands,
+  leading,
   choose,
   (hit, x, y) => menu.open(hit, x, y),
   (fit) => live.askFit(fit),
@@ -346,6 +353,7 @@ function followLink({ map, robots, camera, log }: Link, status: Status): void {
 function showFrame(frame: Frame): void {
   state.frame = frame;
   if (state.chosenObject !== null && !state.objectPose(state.chosenObject)) choose(null);
+  leading.follow();
   view.setFrame(frame);
   if (playback.mode === 'log') plots.push(frame);
   plots.showMoment(playback.mode === 'live' ? null : frame.time);

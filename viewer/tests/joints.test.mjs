@@ -1,10 +1,12 @@
 // Sliders, numbers and buttons that move the joints of an arm.
 
 import assert from 'node:assert/strict';
-import { pageTest, spawnRobot } from './pagetest.mjs';
+import { ABOVE, pageTest, spawnRobot, waitForView } from './pagetest.mjs';
 import { number, waitForNumber } from './server.mjs';
 
 const rough = { serve: ['--map', 'rough'] };
+/** The camera jumps, so that nothing moves away under the pointer. */
+const still = { ...rough, page: { reducedMotion: 'reduce' } };
 const ARM3 = '#joint-ArmJoint3';
 /** Where joints are, as the tree says it. */
 const JOINT3 = '[data-value=joint2]';
@@ -131,4 +133,29 @@ pageTest('a pose is kept and taken again, also by another robot of the class', r
   await page.waitForSelector('#spawn');
   await spawnArm(page, 'RobotStart2');
   assert.equal(await page.locator('.poses button:text-matches("^Pose ")').count(), 0);
+});
+
+pageTest('poses of the gripper are offered, and its hand is led by a drag', still, async ({ page }) => {
+  await spawnArm(page);
+  await page.click('.poses button:text-is("Carry")');
+  await shows(page, '#joint-ArmJoint4', 1.79, 0.03);
+  await page.click('.poses button:text-is("Pick")');
+  await shows(page, '#joint-ArmJoint4', 0.87, 0.03);
+  await page.selectOption('#camera', 'top');
+  await waitForView(page, ABOVE);
+  // The hand is 0.37 m ahead of the robot's middle, and ahead is to the right of the screen.
+  const perMetre = await page.evaluate(() => {
+    const bar = document.querySelector('#scale span');
+    const [length, unit] = bar.textContent.split(' ');
+    return bar.getBoundingClientRect().width / (Number(length) * (unit === 'cm' ? 0.01 : 1));
+  });
+  const { x, y, width, height } = await page.locator('#canvas').boundingBox();
+  const [across, down] = [x + width / 2 + 0.37 * perMetre, y + height / 2];
+  await page.mouse.move(across + 1, down);
+  await page.mouse.move(across, down);
+  await page.waitForSelector('canvas.over-thing');
+  await page.mouse.down();
+  await page.mouse.move(across, down + 0.1 * perMetre, { steps: 4 });
+  await shows(page, '#joint-ArmJoint1', 0.45, 0.2);
+  await page.mouse.up();
 });

@@ -5,6 +5,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use nalgebra::Vector3;
 use scene::goal::Goal;
 use scene::{
     Drawn as DrawnPiece, Geometry, JointKind, MapDef, MountedWheel, Moves, ObjectSnapshot, Pads, Pose, RobotDef,
@@ -227,6 +228,8 @@ page_types! {
 
     struct Link<'a> {
         name: &'a str,
+        /// Index of the parent among the links; null for the body.
+        parent: Option<usize>,
         /// Pose in the robot frame when every joint is at 0.
         pose: Place,
         drawn: Vec<Drawn<'a>>,
@@ -281,7 +284,10 @@ page_types! {
 
     /// A joint that goes to a position by `SET {Type Joint}`.
     struct Joint<'a> {
+        /// Name, which is that of the link that it moves.
         name: &'a str,
+        /// Unit vector in the link's frame: the link turns about it or moves along it.
+        axis: [f64; 3],
         min: f64,
         max: f64,
         #[cfg_attr(test, ts(type = "'rad' | 'm'"))]
@@ -295,6 +301,10 @@ page_types! {
         /// Positions of the joints, rad or m.
         open: &'a [f64],
         closed: &'a [f64],
+        /// Index among the links of the one that carries the joints; null for the body.
+        link: Option<usize>,
+        /// Middle between the fingers in that link's frame, m.
+        middle: [f64; 3],
     }
 
     struct Sensor<'a> {
@@ -491,7 +501,8 @@ fn class(def: &RobotDef) -> RobotClass<'_> {
     });
     // Poses with every joint at 0: logs from before robots were trees do not have them.
     let at_rest = def.placed_links(&[]);
-    let links = drawn.iter().zip(&at_rest).skip(1).filter(|((link, _), _)| !link.is_driven_wheel());
+    let links = drawn.iter().zip(&at_rest).enumerate().skip(1);
+    let links = links.filter(|(_, ((link, _), _))| !link.is_driven_wheel());
     let geometry = def.wheel_geometry();
     RobotClass {
         description: &def.description,
@@ -503,7 +514,12 @@ fn class(def: &RobotDef) -> RobotClass<'_> {
         wheel_base: geometry.wheel_base,
         drawn: drawn.first().map_or_else(Vec::new, |(_, pieces)| still(pieces)),
         links: links
-            .map(|((link, pieces), (_, at))| Link { name: &link.name, pose: place(at), drawn: still(pieces) })
+            .map(|(number, ((link, pieces), (_, at)))| Link {
+                name: &link.name,
+                parent: def.parent_of(number).and_then(|parent| link_number(def, parent)),
+                pose: place(at),
+                drawn: still(pieces),
+            })
             .collect(),
         wheels: wheels.collect(),
         values: def.with_values().map(|link| link.name.as_str()).collect(),
@@ -528,14 +544,20 @@ fn sensor<'a>(def: &RobotDef, sensor: &'a SensorDef) -> Sensor<'a> {
 
 fn joint(link: &scene::Link) -> Option<Joint<'_>> {
     let [min, max] = link.position_limits()?;
-    let slides = link.joint.as_ref().is_some_and(|joint| joint.kind == JointKind::Prismatic);
-    Some(Joint { name: &link.name, min, max, unit: if slides { "m" } else { "rad" } })
+    let joint = link.joint.as_ref()?;
+    let slides = joint.kind == JointKind::Prismatic;
+    Some(Joint { name: &link.name, axis: joint.axis, min, max, unit: if slides { "m" } else { "rad" } })
 }
 
 fn gripper<'a>(def: &'a RobotDef, gripper: &'a scene::Gripper) -> Gripper<'a> {
-    let joints = gripper.links.iter().filter_map(|&link| def.links.get(link));
-    let joints = joints.map(|link| link.name.as_str()).collect();
-    Gripper { name: &gripper.name, joints, open: &gripper.open, closed: &gripper.closed }
+    let fingers = || gripper.links.iter().filter_map(|&link| def.links.get(link));
+    let joints = fingers().map(|link| link.name.as_str()).collect();
+    let carrier = gripper.links.first().and_then(|&link| def.parent_of(link)).unwrap_or(0);
+    let solids: Vec<_> = fingers().flat_map(|link| &link.solids).map(|solid| Vector3::from(solid.position)).collect();
+    let middle = solids.iter().sum::<Vector3<f64>>() / solids.len().max(1) as f64;
+    let middle = (middle - Vector3::from(def.links[carrier].origin())).into();
+    let (open, closed) = (&gripper.open, &gripper.closed);
+    Gripper { name: &gripper.name, joints, open, closed, link: link_number(def, carrier), middle }
 }
 
 /// Returns the largest angle that all joints of an axle can steer to both sides, rad.

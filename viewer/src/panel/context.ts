@@ -49,7 +49,7 @@ export class ContextMenu {
     const place: Vector = [0, 0, 0];
     const [x, y] = middle();
     if (object !== null) this.open({ object, place }, x, y);
-    else if (robot !== null) this.open({ robot, place }, x, y);
+    else if (robot !== null) this.open({ robot, link: null, place }, x, y);
     else this.openOfMiddle();
   }
 

@@ -12,7 +12,7 @@ export type Thing = { robot: number } | { object: number };
 /** Least time between two lines, ms. */
 const INTERVAL = 40;
 /** Turn for a pixel, rad. */
-const TURN = 0.01;
+export const TURN = 0.01;
 
 /** The thing in the hand, as it was taken. */
 interface Taken {

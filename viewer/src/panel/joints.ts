@@ -1,5 +1,6 @@
 /** The joints of the robot that is driven: a slider and a number for each, poses that are kept, and two buttons for a gripper. */
 
+import { gripPoses } from '../arm';
 import type { Client } from '../protocol/client';
 import type { RobotState } from '../protocol/frame';
 import type { Gripper, Joint, RobotClass } from '../protocol/scene';
@@ -42,6 +43,8 @@ export class JointsPanel {
   private rows: (JointRow | GripperRow)[] = [];
   private sliders: JointRow[] = [];
   private robotClass = '';
+  /** Poses of the class's gripper. */
+  private gripping: { name: string; pose: number[]; title: string }[] = [];
   private readonly poses = make('div', { class: 'row poses', role: 'group', 'aria-label': 'Poses' });
   private readonly units = make('button', { type: 'button', id: 'angle-unit', title: 'Angles in degrees or radians' });
 
@@ -66,6 +69,12 @@ export class JointsPanel {
       return new GripperRow(gripper, indices, (opcode) => client()?.setGripper(gripper.name, opcode));
     });
     this.sliders = sliders;
+    const { pick, carry } = robotClass ? gripPoses(robotClass) : { pick: null, carry: null };
+    const ofSliders = (pose: number[]) => sliders.map(({ index }) => pose[index] ?? 0);
+    this.gripping = [
+      ...(pick ? [{ name: 'Pick', pose: ofSliders(pick), title: 'The gripper down, just above the floor ahead' }] : []),
+      ...(carry ? [{ name: 'Carry', pose: ofSliders(carry), title: 'The gripper down, drawn in and raised' }] : []),
+    ];
     this.rows = [...sliders, ...buttons];
     const head = sliders.length > 0 ? [this.poses] : [];
     this.element.replaceChildren(...head, ...this.rows.map(({ element }) => element));
@@ -78,7 +87,7 @@ export class JointsPanel {
     this.sliders.forEach((row) => row.showUnit());
   }
 
-  /** Offers the pose with all joints at 0, and those that somebody kept for the class. */
+  /** Offers the pose with all joints at 0, those of a gripper, and those that somebody kept for the class. */
   private offerPoses(): void {
     const kept = this.kept;
     const go = (name: string, pose: number[], title: string) => {
@@ -93,7 +102,13 @@ export class JointsPanel {
       this.offerPoses();
     };
     const poses = kept.map((pose, index) => go(`Pose ${index + 1}`, pose, pose.join(', ')));
-    this.poses.replaceChildren(go('Home', [], 'All joints at 0, or as near as they come'), ...poses, keep, this.units);
+    this.poses.replaceChildren(
+      go('Home', [], 'All joints at 0, or as near as they come'),
+      ...this.gripping.map(({ name, pose, title }) => go(name, pose, title)),
+      ...poses,
+      keep,
+      this.units,
+    );
   }
 
   private get key(): string {
@@ -109,6 +124,14 @@ export class JointsPanel {
       return Array.isArray(list) ? list.filter(isPose) : [];
     } catch {
       return [];
+    }
+  }
+
+  /** Moves joints to positions, by their names. */
+  moveJoints(positions: ReadonlyMap<string, number>): void {
+    for (const row of this.sliders) {
+      const position = positions.get(row.name);
+      if (position !== undefined) row.moveTo(position);
     }
   }
 
@@ -132,7 +155,7 @@ class JointRow {
 
   constructor(
     private readonly joint: Joint,
-    private readonly index: number,
+    readonly index: number,
     private readonly send: (target: number) => void,
   ) {
     const { name, min, max } = joint;
@@ -155,6 +178,10 @@ class JointRow {
       this.field,
       this.unitText,
     );
+  }
+
+  get name(): string {
+    return this.joint.name;
   }
 
   /** Shows numbers in the unit that is chosen. */

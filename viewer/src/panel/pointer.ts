@@ -1,4 +1,4 @@
-/** Pointer in the view: a click chooses a thing or places a robot. A drag on the chosen thing pulls it, or moves it while time stands still. */
+/** Pointer in the view: a click chooses a thing or places a robot. A drag on the chosen thing pulls it, moves it while time stands still, or leads its arm. */
 
 import type { Fit, FitAnswer } from '../protocol/fit';
 import type { Vector } from '../protocol/scene';
@@ -6,6 +6,7 @@ import type { State } from '../state';
 import type { Hit, View } from '../view/view';
 import { find, setText } from './dom';
 import type { Hands, Thing } from './hands';
+import type { Leading } from './leading';
 import { type Placing, spawnPlace } from './spawn';
 
 /** A press that moves farther is no click, px. */
@@ -33,6 +34,7 @@ export class Pointer {
     private readonly state: State,
     private readonly view: View,
     private readonly hands: Hands,
+    private readonly leading: Leading,
     private readonly choose: (thing: Thing | null) => void,
     private readonly menu: (hit: Hit, x: number, y: number) => void,
     private readonly askFit: (fit: Fit) => void,
@@ -92,7 +94,7 @@ export class Pointer {
     if (event.button !== 0 || this.placing || event.pointerType === 'touch') return;
     const hit = this.view.pick(event.clientX, event.clientY);
     if (!hit || 'ground' in hit || !this.isChosen(hit)) return;
-    if (!this.hands.take(hit, hit.place)) return;
+    if (!this.leading.take(hit) && !this.hands.take(hit, hit.place)) return;
     this.dragged = hit;
     this.to = hit.place;
     this.turned = 0;
@@ -128,7 +130,8 @@ export class Pointer {
     if (isTurning) this.turned += x - this.last;
     else this.to = this.view.pointAt(x, y, this.to, isLifting) ?? this.to;
     this.last = x;
-    this.hands.pull(this.to, this.turned);
+    if (this.leading.isOn) this.leading.lead(this.to, this.turned);
+    else this.hands.pull(this.to, this.turned);
   }
 
   private get robot(): number | null {
@@ -137,7 +140,7 @@ export class Pointer {
 
   /** True if what is dragged is put down where it is let go: a robot needs room. */
   private get isPut(): boolean {
-    return this.robot !== null && this.state.status?.paused === true;
+    return this.robot !== null && !this.leading.isOn && this.state.status?.paused === true;
   }
 
   private up(event: PointerEvent): void {
@@ -169,6 +172,7 @@ export class Pointer {
   }
 
   private letGo(): void {
+    this.leading.release();
     this.dragged = this.to = null;
     this.view.showGhost(null);
     this.view.holdCamera(false);

@@ -154,6 +154,10 @@ joints: Array<Joint>, grippers: Array<Gripper>, sensors: Array<Sensor>, };
 
 export type Link = { name: string, 
 /**
+ * Index of the parent among the links; null for the body.
+ */
+parent: number | null, 
+/**
  * Pose in the robot frame when every joint is at 0.
  */
 pose: [number, number, number, number, number, number, number], drawn: Array<Drawn>, };
@@ -214,13 +218,29 @@ poses: Array<[number, number, number, number, number, number, number]>,
  */
 outline: Array<[number, number]>, colour: [number, number, number], };
 
-export type Joint = { name: string, min: number, max: number, unit: 'rad' | 'm', };
+export type Joint = { 
+/**
+ * Name, which is that of the link that it moves.
+ */
+name: string, 
+/**
+ * Unit vector in the link's frame: the link turns about it or moves along it.
+ */
+axis: [number, number, number], min: number, max: number, unit: 'rad' | 'm', };
 
 export type Gripper = { name: string, joints: Array<string>, 
 /**
  * Positions of the joints, rad or m.
  */
-open: Array<number>, closed: Array<number>, };
+open: Array<number>, closed: Array<number>, 
+/**
+ * Index among the links of the one that carries the joints; null for the body.
+ */
+link: number | null, 
+/**
+ * Middle between the fingers in that link's frame, m.
+ */
+middle: [number, number, number], };
 
 export type Sensor = { name: string, 
 /**

@@ -21,6 +21,12 @@ export function ownPoint([x, y, z, i, j, k, w]: Pose, place: Vector): Vector {
   return [own.x, own.y, own.z];
 }
 
+/** Returns a point of a body's frame in the frame of its pose. */
+export function worldPoint([x, y, z, i, j, k, w]: Pose, own: Vector): Vector {
+  const point = new THREE.Vector3(...own).applyQuaternion(new THREE.Quaternion(i, j, k, w));
+  return [point.x + x, point.y + y, point.z + z];
+}
+
 /** Returns a place of the wire's frame on the stage, where z is up. */
 export function onStage([x, y, z]: Vector): THREE.Vector3 {
   return new THREE.Vector3(x, -y, -z);

@@ -56,6 +56,8 @@ export interface Placed {
   part: Instances;
   /** Matrix in the world. */
   matrix: THREE.Matrix4;
+  /** Index of the link that carries it; null for the body. */
+  link: number | null;
 }
 
 export class RobotFleet {
@@ -165,17 +167,17 @@ export class RobotFleet {
     const level = this.level(state, eye);
     const detail = level === 'plain' ? 'near' : level;
     const robot = setPose(new THREE.Matrix4(), state.pose);
-    const placed: Placed[] = [{ part: this.body[detail], matrix: robot }];
+    const placed: Placed[] = [{ part: this.body[detail], matrix: robot, link: null }];
     const carriers = this.links.map((link, index) => {
       const pose = state.links[index];
       const matrix = pose ? setPose(new THREE.Matrix4(), pose).premultiply(robot) : null;
-      if (matrix) placed.push({ part: link[detail], matrix });
+      if (matrix) placed.push({ part: link[detail], matrix, link: index });
       return matrix;
     });
     this.spinners.forEach(({ one, link, pose, speed }) => {
       const carrier = link === null ? robot : carriers[link];
       const turn = new THREE.Matrix4().makeRotationZ(speed * time).premultiply(pose);
-      if (carrier) placed.push({ part: one, matrix: turn.premultiply(carrier) });
+      if (carrier) placed.push({ part: one, matrix: turn.premultiply(carrier), link });
     });
     const local = new THREE.Matrix4();
     this.robotClass.wheels.forEach(({ link, position }, index) => {
@@ -185,15 +187,15 @@ export class RobotFleet {
       wheel.multiply(local.makeTranslation(...position));
       if (!belt) wheel.multiply(local.makeRotationY(-angle));
       const piece = this.wheels[index];
-      if (piece) placed.push({ part: piece[detail], matrix: wheel });
+      if (piece) placed.push({ part: piece[detail], matrix: wheel, link });
       if (belt) {
         for (const matrix of padPoses(belt.of, angle))
-          placed.push({ part: belt.one, matrix: matrix.premultiply(wheel) });
+          placed.push({ part: belt.one, matrix: matrix.premultiply(wheel), link });
       }
       const rollers = level === 'near' ? this.rollers[index] : null;
       rollers?.poses.forEach((pose, number) => {
         const matrix = new THREE.Matrix4().makeRotationX(angles[number] ?? 0);
-        placed.push({ part: rollers.one, matrix: matrix.premultiply(pose).premultiply(wheel) });
+        placed.push({ part: rollers.one, matrix: matrix.premultiply(pose).premultiply(wheel), link });
       });
     });
     return placed;

@@ -26,6 +26,13 @@ export interface Known {
   fleet: RobotFleet;
 }
 
+/** A robot that a ray meets: its number, the link or null for the body, and the distance, m. */
+export interface Met {
+  robot: number;
+  link: number | null;
+  distance: number;
+}
+
 export class Robots {
   readonly group = new THREE.Group();
   selected: number | null = null;
@@ -95,13 +102,15 @@ export class Robots {
     this.decals.set(this.known.map((known) => this.decalOf(known)));
   }
 
-  /** The first robot that a ray of the world meets, and how far away. */
-  meet(ray: THREE.Ray): { robot: number; distance: number } | null {
-    let first: { robot: number; distance: number } | null = null;
+  /** The first robot that a ray of the world meets, at which link, and how far away. */
+  meet(ray: THREE.Ray): Met | null {
+    let first: Met | null = null;
     for (const { state, fleet } of this.known) {
       for (const placed of fleet.parts(state, null)) {
         const distance = distanceTo(placed, ray);
-        if (distance !== null && distance < (first?.distance ?? Infinity)) first = { robot: state.id, distance };
+        if (distance !== null && distance < (first?.distance ?? Infinity)) {
+          first = { robot: state.id, link: placed.link, distance };
+        }
       }
     }
     return first;

@@ -14,9 +14,9 @@ import { moved } from './moved';
 import { Outline } from './outline';
 import { type Layer, Overlay, mountOf } from './overlay';
 import { onStage, onWire } from './pose';
-import { Pulls } from './pulls';
+import { type Led, Pulls } from './pulls';
 import type { Quality } from './quality';
-import { Robots, type Roster } from './robots';
+import { type Met, Robots, type Roster } from './robots';
 import { labelMap, labelMetres, labelObjects, labelRobots, labelStarts } from './signs';
 import { Stage } from './stage';
 import { Still } from './still';
@@ -44,8 +44,8 @@ const CAMERA_IN_SENSOR = new THREE.Matrix4().makeBasis(
   new THREE.Vector3(-1, 0, 0),
 );
 
-/** Robot or object at a point of the screen, and its place there in the wire's frame; or the ground. */
-type ThingHit = ({ robot: number } | { object: number }) & { place: Vector };
+/** Robot with its link, null for the body, or object at a point of the screen, and its place there in the wire's frame; or the ground. */
+type ThingHit = ({ robot: number; link: number | null } | { object: number }) & { place: Vector };
 export type Hit = ThingHit | { ground: true; place: Vector };
 
 interface World {
@@ -66,6 +66,7 @@ export class View {
   private readonly outline = new Outline();
   /** About the object under the pointer. */
   private readonly hovering = new Outline();
+  private led: Led | null = null;
   private hovered: number | null = null;
   private chosen: number | null = null;
   private readonly ghost = new Ghost();
@@ -288,6 +289,12 @@ export class View {
     this.cameras.pointer.held = held;
   }
 
+  /** Shows the way of a robot's link to the pointer that leads it; null for none. */
+  showLed(led: Led | null): void {
+    this.led = led;
+    this.stir();
+  }
+
   clearPaths(): void {
     this.world?.overlay.clearPaths();
     this.stir();
@@ -444,7 +451,7 @@ export class View {
     overlay.place(frame, (id) => robots.classOf(id), eye);
     labelRobots(this.labels, robots);
     labelStarts(this.labels, scene, robots);
-    pulls.place(frame.pulls, eye, this.pixelsPerMetre(1));
+    pulls.place([...frame.pulls, ...(this.led ? [this.led] : [])], eye, this.pixelsPerMetre(1));
     this.hovering.place(map.outlined(this.hovered), HOVERED);
     const chosen = map.outlined(this.chosen);
     const selected = chosen.length > 0 ? null : robots.find(robots.selected);
@@ -502,10 +509,10 @@ export class View {
     ray.far = first.distance;
     if (this.groundHit(ray)) return null;
     const place = onWire(ray.ray.at(first.distance, new THREE.Vector3()));
-    return 'robot' in first ? { robot: first.robot, place } : { object: first.object, place };
+    return 'robot' in first ? { robot: first.robot, link: first.link, place } : { object: first.object, place };
   }
 
-  private meet(ray: THREE.Raycaster): { robot: number; distance: number } | null {
+  private meet(ray: THREE.Raycaster): Met | null {
     return this.world?.robots.meet(ray.ray.clone().applyMatrix4(this.stage.world.matrixWorld.clone().invert())) ?? null;
   }
 
