@@ -4,7 +4,9 @@ import { defineConfig } from 'vite';
 const server = 'http://127.0.0.1:8080';
 
 export default defineConfig({
-  build: { outDir: 'dist/page', emptyOutDir: true, chunkSizeWarningLimit: 900 },
+  build: { outDir: 'dist/page', emptyOutDir: true, chunkSizeWarningLimit: 1000 },
+  // The interpreter of the page's programs is a module.
+  worker: { format: 'es' },
   server: {
     proxy: {
       // The server lets only its own page in.

@@ -4,6 +4,7 @@ import './style.css';
 import './icons.css';
 import { type Action, listenToKeys } from './actions';
 import { Board } from './panel/board';
+import { CodePanel } from './panel/code';
 import { showCommands, showKeys } from './panel/commands';
 import { ContextMenu } from './panel/context';
 import { askToken } from './panel/dialog';
@@ -98,6 +99,7 @@ const playback = new Playback(transport.sceneOfLog, {
   present(frame) {
     plots.push(frame);
     mission.takeFrame(frame);
+    code.takeFrame(frame);
   },
   refilled: () => plots.refill(),
   said: say,
@@ -160,6 +162,7 @@ const drive = new DrivePanel(
   (robotClass) => live.classOf(robotClass),
   transport,
 );
+const code = new CodePanel(state, drive);
 const sharing = new Sharing(state, view, playback, say);
 const board = new Board(state);
 const mission = new Mission(state, {
@@ -450,6 +453,7 @@ const actions: Action[] = [
   { name: 'Plots', key: 'p', shown: 'P', run: () => showPlots(find('plots').hidden === true) },
   { name: 'Plot position, speeds and slip', run: plotFirst },
   { name: 'Wire: the lines of the protocol', key: 'l', shown: 'L', drives: true, run: () => showTab('wire') },
+  { name: 'Code: a program in Python', key: 'y', shown: 'Y', drives: true, run: () => showTab('code') },
   { name: 'Scenarios', key: 't', shown: 'T', drives: true, run: () => door.show() },
   { name: 'Change the map', key: 'm', shown: 'M', run: press('map') },
   { name: 'Record a log, or stop', run: press('record') },

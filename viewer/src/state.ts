@@ -24,6 +24,8 @@ export class State {
   isPresent = true;
   /** True if this page has a robot to drive. */
   hasRobot = false;
+  /** True while a program of this page drives robots. */
+  isProgrammed = false;
   private readonly sensors = new Map<number, SensorValues>();
 
   /** True if nobody can drive here: a program steps the world, and the page shows it. */

@@ -70,6 +70,14 @@ await take('plots.png', ['--map', 'rough'], wide, async (page) => {
   await page.click('#toggle-plots');
   await waitForNumber(page, '#time', (value) => value > 8);
 });
+await take('code.png', ['--map', 'hall'], wide, async (page) => {
+  await page.click('[data-tab=code]');
+  await page.click('#run');
+  await page.waitForSelector('[data-robot]');
+  await page.keyboard.press('g');
+  await page.waitForSelector('#output li');
+  await page.waitForSelector('.numbers .lit:nth-child(6)');
+});
 await take('phone.png', ['--map', 'rough'], phone, async (page) => {
   await drive(page, 'd');
   await page.waitForTimeout(3000);

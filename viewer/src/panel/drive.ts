@@ -58,6 +58,8 @@ export class DrivePanel {
   private readonly sticks: { move: Stick; turn: Stick };
   private driven: Own | null = null;
   private padWasUsed = false;
+  /** True if the last command was not to stand. */
+  private wasTouched = false;
 
   constructor(
     private readonly state: State,
@@ -116,6 +118,31 @@ export class DrivePanel {
   sendLine(line: string): boolean {
     this.driven?.client.send(line);
     return this.driven !== null;
+  }
+
+  /** Client of an own robot that is in the world. */
+  clientOf(name: string): Client | null {
+    return this.inWorld.find((client) => client.spawn.name === name) ?? null;
+  }
+
+  /** Name of the robot that is driven; null without one. */
+  get drivenName(): string | null {
+    return this.driven?.client.spawn.name ?? null;
+  }
+
+  /** Name of an own robot of a class, the driven one before others; null without one in the world. */
+  nameOf(robotClass: string): string | null {
+    const fitting = this.inWorld.filter(({ spawn }) => spawn.robotClass === robotClass);
+    return (fitting.find(({ spawn }) => spawn.name === this.drivenName) ?? fitting[0])?.spawn.name ?? null;
+  }
+
+  private get inWorld(): Client[] {
+    return this.robots.filter(({ connection }) => connection !== null).map(({ client }) => client);
+  }
+
+  /** Moves joints of the driven robot to positions, by their names. */
+  moveJoints(positions: ReadonlyMap<string, number>): void {
+    this.joints.moveJoints(positions);
   }
 
   updateScene(): void {
@@ -297,6 +324,11 @@ export class DrivePanel {
       twist.clockwise += key.clockwise ?? 0;
       twist.up += key.up ?? 0;
     });
+    const isTouched = Object.values(twist).some((part) => part !== 0);
+    // A program drives while nobody does.
+    const isLeft = !isTouched && !this.wasTouched;
+    this.wasTouched = isTouched;
+    if (this.state.isProgrammed && isLeft) return;
     const part = Number(this.speed.value) / 100;
     const limited = (value: number) => part * Math.max(-1, Math.min(1, value));
     this.driven?.client.drive({

@@ -15,7 +15,7 @@ export function isForControl({ key, target, defaultPrevented }: KeyboardEvent, d
   if (target.matches('select')) return key === ' ' || ARROWS.includes(key);
   if (target.matches('input[type=checkbox]')) return key === ' ';
   if (target.matches('button, summary')) return key === ' ' && !driving;
-  return target.matches('input');
+  return target.matches('input, textarea');
 }
 
 /** Gives the keys to the robot and the world. */

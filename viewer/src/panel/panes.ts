@@ -40,7 +40,7 @@ export function buildSheets(
   const show = (sheet: string | null) => {
     document.body.dataset.sheet = sheet ?? '';
     buttons.forEach((button) => button.setAttribute('aria-pressed', String(button.dataset.sheet === sheet)));
-    if (sheet === 'drive' || sheet === 'wire') showTab(sheet);
+    if (sheet === 'drive' || sheet === 'wire' || sheet === 'code') showTab(sheet);
     if (matchMedia('(max-width: 760px)').matches) showPlots(sheet === 'plots');
   };
   buttons.forEach((button) => {

@@ -34,6 +34,8 @@ export function initLine({ robotClass, name, place, team }: Spawn): string {
 const INTERVAL = 50;
 
 export class Client {
+  /** Hears each line that comes. */
+  heard: ((line: string) => void) | null = null;
   private readonly connection: Connection;
   private isEnded = false;
   private readonly decoder = new TextDecoder();
@@ -91,6 +93,7 @@ export class Client {
   }
 
   private receive(line: string): void {
+    this.heard?.(line);
     if (!this.isGreeted && line.startsWith('NFO {Gametype')) {
       this.isGreeted = true;
       this.init();

@@ -169,8 +169,9 @@ async fn guard(
         return too_many();
     }
     let mut response = next.run(request).await;
+    // A program of the page runs in MicroPython, which is WebAssembly.
     let policy = format!(
-        "default-src 'self'; connect-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; \
+        "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; \
          frame-ancestors {}; base-uri 'none'; form-action 'none'",
         site.framing.ancestors()
     );

@@ -1,0 +1,89 @@
+// Programs in Python that drive the page's robots.
+
+import assert from 'node:assert/strict';
+import { pageTest } from './pagetest.mjs';
+import { number, until } from './server.mjs';
+
+/** Opens the tab and runs a program, the world twice as fast as real time. */
+async function run(page, program, { fast = true } = {}) {
+  await page.keyboard.press('Escape');
+  if (fast) await page.selectOption('#speed', '2');
+  await page.click('[data-tab=code]');
+  await page.fill('[name=program]', program);
+  await page.click('#run');
+}
+
+const ends = (page, how, text = '') => page.waitForSelector(`[data-program=${how}]:has-text("${text}")`);
+const printed = (page) => page.locator('#output li').allTextContents();
+
+pageTest('a program drives a robot, with the line that waits lit', {}, async ({ page }) => {
+  await run(
+    page,
+    'robot = await take("P3AT")\nawait robot.go(0.5)\nx = (await robot.pose())[0]\nprint(abs(x - 0.5) < 0.05)\n',
+  );
+  await page.waitForSelector('.numbers .lit:nth-child(2)');
+  await ends(page, 'ended', 'Done');
+  assert.deepEqual(await printed(page), ['True']);
+  assert.equal(await page.locator('.numbers .lit').count(), 0);
+  // Another run takes the same robot, and its sensors are there.
+  await run(
+    page,
+    'robot = await take()\nreading = await robot.read("lms200")\nprint(robot, reading["Type"], len(reading["Range"]))\n',
+  );
+  await ends(page, 'ended', 'Done');
+  assert.deepEqual(await printed(page), ['<robot Robot1> RangeScanner 181']);
+});
+
+pageTest('a wrong program says its line and what is wrong', {}, async ({ page }) => {
+  for (const [program, wrong] of [
+    ['text = """\nawait\n"""\nlist = [\n  1,\n]\nprint(unknown)', "line 7: NameError: name 'unknown' isn't defined"],
+    ['def f(:\n  pass', 'line 1: SyntaxError: invalid syntax'],
+    ['# await\nawait take("P3ATT")', 'line 2: RuntimeError: there is no class P3ATT'],
+    ['await take()', 'line 1: RuntimeError: no robot is driven here: take("P3AT") spawns one'],
+    ['await wait("1")', 'line 1: RuntimeError: seconds: expected a number, got "1"'],
+    ['list = [0] * 100000000', 'line 1: MemoryError'],
+    ['while True:\n  print("again")', 'printed 1000 lines without an order between them'],
+    ['robot = await take("P3AT")\nawait robot.move(Elbow=1)', 'line 2: RuntimeError: Robot1 has no joint Elbow'],
+    ['await (await take("P3AT")).reach(1, 0, 0)', 'line 1: RuntimeError: Robot1 has no arm with a gripper'],
+    ['await (await take("P3AT")).read("Nose")', 'line 1: RuntimeError: nothing of "Nose" came in 5 s'],
+  ]) {
+    await run(page, program);
+    await ends(page, 'failed');
+    assert.ok((await page.textContent('[data-program]')).startsWith(wrong), await page.textContent('[data-program]'));
+  }
+});
+
+pageTest('a program that only computes is stopped, and the page goes on', {}, async ({ page }) => {
+  await run(page, 'robot = await take("P3AT")\nawait robot.drive(0.3)\nwhile True:\n  pass', { fast: false });
+  await page.waitForSelector('[data-robot]');
+  await ends(page, 'failed', 'It computed for 10 s without an order');
+  // Its robot stands.
+  await page.waitForFunction(
+    () => Math.abs(Number(document.querySelector('[data-value=forward]')?.textContent)) < 0.01,
+  );
+  assert.ok((await number(page, '[data-value=x]')) > 0.5);
+  await run(page, 'while True:\n  await wait(0.1)', { fast: false });
+  await page.waitForSelector('.numbers .lit:nth-child(2)');
+  await page.click('#end-program');
+  await ends(page, 'ended', 'Stopped');
+});
+
+pageTest('each example does what it says', { serve: ['--map', 'hall'] }, async ({ page }) => {
+  await run(page, '');
+  await ends(page, 'ended', 'Done');
+  for (const [example, said] of [
+    ['A square', /^side 4: x -?0\.\d\d y -?0\.\d\d$/],
+    ['Follow the wall', /^half a minute is over$/],
+    ['Pick the cube', /^the cube is in the hand$/],
+  ]) {
+    await page.selectOption('[name=example]', example);
+    await page.click('#run');
+    await ends(page, 'running');
+    await ends(page, 'ended', 'Done');
+    assert.match((await printed(page)).at(-1), said);
+    if (!example.includes('cube')) await page.click('#reset');
+  }
+  await page.click('[data-object]:text-is("cube")');
+  const height = async () => -(await page.textContent('[data-place]')).match(/-?\d+\.\d+/g)[2];
+  await until(async () => (await height()) > 0.15, 'the cube is lifted');
+});
