@@ -118,6 +118,53 @@ fn it_picks_up_carries_and_sets_down_and_does_the_same_again() {
     }
 }
 
+/// Lifts the cube, which is turned about the vertical, rad, with a smaller one on top of it, and holds both for a time, s. Returns how far
+/// each moved meanwhile, m, and turned, rad.
+fn hold(turned: f64, seconds: f64) -> [(f64, f64); 2] {
+    let mut scene = scene(EDGE);
+    let cube = &mut scene.map.objects[0];
+    cube.solid.rotation[2] = turned;
+    let mut top = cube.clone();
+    (top.solid.name, top.mass) = ("top".to_owned(), 0.02);
+    top.solid.shape = Shape::Box { size: [EDGE / 2.0; 3] };
+    top.solid.position[2] = -EDGE * 1.25;
+    scene.map.objects.push(top);
+    let mut world = World::new(scene, Options::default());
+    let robot = init(&mut world, "INIT {ClassName USARBot.YouBotArm} {Location 0,0,0}");
+    run(&mut world, 1.0);
+    let mut go = |line: &str, seconds: f64| {
+        apply(&mut world, robot, line);
+        run(&mut world, seconds);
+    };
+    go("SET {Type Gripper} {Name Gripper} {Opcode Open}", 0.5);
+    for above in [0.2, 0.15, 0.1, 0.06, 0.03, 0.0] {
+        go(&to_height(0.03 + above), 2.0);
+    }
+    go("ACT {Name Gripper} {Gripper 1}", 1.0);
+    go(&to_height(0.13), 3.0);
+    // A cube that is gripped askew turns until it lies flush.
+    run(&mut world, 10.0);
+    let poses = |world: &World| [0, 1].map(|object| world.snapshot().objects[object].pose);
+    let before = poses(&world);
+    run(&mut world, seconds);
+    let after = poses(&world);
+    [0, 1].map(|object| {
+        let (before, after) = (before[object], after[object]);
+        assert!(before.translation.z < -0.1, "it is lifted: {before:?}");
+        ((after.translation.vector - before.translation.vector).norm(), before.rotation.angle_to(&after.rotation))
+    })
+}
+
+#[test]
+fn a_cube_that_is_gripped_neither_creeps_nor_turns_however_askew_it_was() {
+    for turned in [0.0, 0.1, 0.3, 0.5] {
+        for (moved, rotated) in hold(turned, 60.0) {
+            println!("gripped at {turned} rad: moved {:.3} um, turned {rotated:.6} rad", moved * 1e6);
+            assert!(moved < 2e-5 && rotated < 1e-3, "gripped at {turned} rad: {moved} m, {rotated} rad");
+        }
+    }
+}
+
 #[test]
 fn act_counts_from_0_and_mispkg_from_1_and_both_have_keys_in_one_case() {
     let (mut world, robot) = world(EDGE);

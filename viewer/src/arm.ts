@@ -114,7 +114,7 @@ export function reach(robotClass: RobotClass, from: readonly number[], wish: Rea
 interface Look {
   /** Point that shall move. */
   point: THREE.Vector3;
-  /** What is left: a way, m, and a turn about each axis, rad. */
+  /** Way that is left, m, and turn about each axis, rad. */
   error: number[];
   /** Axes of the joints, and points on them. */
   axes: THREE.Vector3[];

@@ -44,6 +44,8 @@ pub(in super::super) struct MovableObject {
     pub(super) body: Box<ArticulatedRobot>,
     /// Time at rest, s.
     pub(super) still: f64,
+    /// True if robots hold a part of its weight, themselves or by other objects: then it does not fall asleep.
+    pub(super) is_carried: bool,
     /// State of the sleep, `None` if awake.
     pub(super) sleep: Option<Sleep>,
     /// True if the engine's shape is at the pose at which the object sleeps.
@@ -105,7 +107,18 @@ impl MovableObject {
         let in_engine = vec![(in_engine, vec![(collider, 0)])];
         let body = ArticulatedRobot::at_rest(object.compiled.clone(), BodyId::Object(id), pose, in_engine);
         let (def, body) = (object.def.clone(), Box::new(body));
-        Self { id, def, is_of_map, is_held: false, start: *pose, body, still: 0.0, sleep: None, is_entered: false }
+        Self {
+            id,
+            def,
+            is_of_map,
+            is_held: false,
+            start: *pose,
+            body,
+            still: 0.0,
+            is_carried: false,
+            sleep: None,
+            is_entered: false,
+        }
     }
 
     pub(in super::super) fn id(&self) -> ObjectId {
@@ -264,17 +277,28 @@ impl MovableObject {
     }
 
     pub(in super::super) fn wake(&mut self) {
-        (self.still, self.sleep, self.is_entered) = (0.0, None, false);
+        (self.still, self.is_carried, self.sleep, self.is_entered) = (0.0, false, None, false);
         self.body.forget_near();
     }
 
-    /// Updates the time at rest after a step, and lets the object fall asleep. `neighbours` are the impulses on it, N s.
-    pub(super) fn note_rest(&mut self, neighbours: Vec<(BodyId, Vector3<f64>)>, time_step: f64) {
+    /// Updates the time at rest after a step, and lets the object fall asleep, unless it is carried. `neighbours` are the impulses on it, N s;
+    /// `carries` returns true for a robot, and for an object that is carried itself.
+    pub(super) fn note_rest(
+        &mut self,
+        neighbours: Vec<(BodyId, Vector3<f64>)>,
+        carries: impl Fn(BodyId) -> bool,
+        gravity: &Vector3<f64>,
+        time_step: f64,
+    ) {
+        // To sleep and to wake again would shake it in a grip: a body that sleeps is a fixed one to its neighbours, and stiffer.
+        let given: Vector3<f64> = neighbours.iter().filter(|(by, _)| carries(*by)).map(|(_, impulse)| impulse).sum();
+        let weight = gravity * (self.body.compiled.mass * time_step);
+        self.is_carried = -given.dot(&weight) > WAKING_SHARE * weight.norm_squared();
         let BodyState { linear, angular, .. } = self.body.state();
         let surface = &self.body.compiled.surfaces[0];
         let speed = linear.norm() + angular.norm() * (surface.middle.norm() + surface.half.norm());
         self.still = if speed < REST_SPEED { self.still + time_step } else { 0.0 };
-        if self.still > REST_TIME {
+        if self.still > REST_TIME && !self.is_carried {
             self.body.body.velocity_mut().fill(0.0);
             self.body.body.place();
             self.sleep = Some(Sleep { neighbours });

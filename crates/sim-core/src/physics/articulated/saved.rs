@@ -43,6 +43,9 @@ pub(crate) struct SavedObject {
     pub(in super::super) is_held: bool,
     tree: SavedTree,
     still: f64,
+    /// Files from before objects knew it say that nothing carries it.
+    #[serde(default)]
+    is_carried: bool,
     sleep: Option<Sleep>,
 }
 
@@ -115,6 +118,7 @@ impl MovableObject {
             is_held: self.is_held,
             tree: self.body.save(),
             still: self.still,
+            is_carried: self.is_carried,
             sleep: self.sleep.clone(),
         }
     }
@@ -124,7 +128,7 @@ impl MovableObject {
         let fits = self.body.load(&saved.tree);
         if fits {
             (self.still, self.sleep, self.is_entered) = (saved.still, saved.sleep.clone(), false);
-            self.is_held = saved.is_held;
+            (self.is_held, self.is_carried) = (saved.is_held, saved.is_carried);
         }
         fits
     }

@@ -150,7 +150,7 @@ pub(in super::super) fn solve<'a>(
         }
     }
     pushes.sort_by_key(|push| push.object);
-    rest(objects, &is_asleep[robot_count..], &pushes, gravity.norm(), time_step);
+    rest(objects, &is_asleep[robot_count..], &pushes, &gravity, time_step);
     effort
 }
 
@@ -164,7 +164,13 @@ fn look_around<'a>(robots: impl Iterator<Item = &'a mut ArticulatedRobot>, world
 }
 
 /// Lets objects fall asleep, and wakes those whose neighbours push differently. `pushes` are in the order of the objects.
-fn rest(objects: &mut [MovableObject], was_asleep: &[bool], mut pushes: &[Push], gravity: f64, time_step: f64) {
+fn rest(
+    objects: &mut [MovableObject],
+    was_asleep: &[bool],
+    mut pushes: &[Push],
+    gravity: &Vector3<f64>,
+    time_step: f64,
+) {
     let mut own = |id: ObjectId| {
         let (own, others) = pushes.split_at(pushes.partition_point(|push| push.object <= id));
         pushes = others;
@@ -175,11 +181,16 @@ fn rest(objects: &mut [MovableObject], was_asleep: &[bool], mut pushes: &[Push],
         let BodyId::Object(id) = id else { return false };
         ids.binary_search(&id).is_ok_and(|other| was_asleep[other])
     };
+    let was_carried: Vec<bool> = objects.iter().map(|object| object.is_carried).collect();
+    let carries = |id: BodyId| match id {
+        BodyId::Robot(_) => true,
+        BodyId::Object(id) => ids.binary_search(&id).is_ok_and(|other| was_carried[other]),
+    };
     for (number, object) in objects.iter_mut().enumerate() {
         let impulses = own(object.id());
         if !object.is_asleep() {
-            object.note_rest(impulses, time_step);
-        } else if !was_asleep[number] || object.is_disturbed(&impulses, is_asleep, gravity, time_step) {
+            object.note_rest(impulses, carries, gravity, time_step);
+        } else if !was_asleep[number] || object.is_disturbed(&impulses, is_asleep, gravity.norm(), time_step) {
             object.wake();
         }
     }
