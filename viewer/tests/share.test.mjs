@@ -72,6 +72,46 @@ pageTest('a picture has the size that is chosen, and the view its own again', ro
   assert.deepEqual(await size(), before);
 });
 
+/** Returns the part of a PNG's pixels that are transparent, and that of white ones. */
+function partsOf(page, bytes) {
+  return page.evaluate(async (text) => {
+    const data = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([data]));
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d');
+    context.drawImage(bitmap, 0, 0);
+    const pixels = context.getImageData(0, 0, bitmap.width, bitmap.height).data;
+    let [clear, white] = [0, 0];
+    for (let at = 0; at < pixels.length; at += 4) {
+      if (pixels[at + 3] < 10) clear++;
+      else if (Math.min(pixels[at], pixels[at + 1], pixels[at + 2]) > 235) white++;
+    }
+    return { clear: (4 * clear) / pixels.length, white: (4 * white) / pixels.length };
+  }, bytes.toString('base64'));
+}
+
+pageTest('a picture has floor, background and labels as they are chosen', rough, async ({ page }) => {
+  await spawnRobot(page, { robotClass: 'P3AT' });
+  await page.waitForFunction(() => Number(document.querySelector('.view-label.robot')?.style.opacity) > 0.9);
+  const picture = async (...boxes) => {
+    await page.click('#share');
+    for (const box of ['grid', 'floor', 'background', 'labels'])
+      await page.setChecked(`dialog [name=${box}]`, boxes.includes(box));
+    const { bytes } = await download(page, '#share-picture');
+    await page.keyboard.press('Escape');
+    return partsOf(page, bytes);
+  };
+  const whole = await picture('floor', 'background');
+  assert.equal(whole.clear, 0);
+  const labelled = await picture('floor', 'background', 'labels');
+  assert.ok(labelled.white > whole.white + 0.0005, `${labelled.white} ${whole.white}`);
+  const onFloor = await picture('floor');
+  assert.ok(onFloor.clear < 0.7, `${onFloor.clear}`);
+  const alone = await picture();
+  assert.ok(alone.clear > 0.5 && alone.clear < 0.99, `${alone.clear}`);
+  // The view itself is as it was.
+  assert.equal((await picture('floor', 'background')).clear, 0);
+});
+
 pageTest('a time of the run is saved as a clip, and the present comes back', rough, async ({ page }) => {
   await spawnRobot(page);
   await page.keyboard.down('w');

@@ -5,7 +5,7 @@ import type { Playback } from '../playback';
 import { rollPitchYaw } from '../protocol/frame';
 import type { Vector } from '../protocol/scene';
 import type { State } from '../state';
-import type { View } from '../view/view';
+import type { Looks, View } from '../view/view';
 import { closeDialog, showDialog } from './dialog';
 import { find, make, save } from './dom';
 import './share.css';
@@ -76,19 +76,29 @@ export class Sharing {
   private picture(): HTMLElement {
     const size = make('select', { 'aria-label': 'Size', id: 'share-size' }, make('option', { value: '' }, 'as it is'));
     size.append(...SIZES.map(([x, y]) => make('option', { value: `${x},${y}` }, `${x} x ${y}`)));
-    const grid = make('input', { type: 'checkbox' });
+    const [grid, floor, background, labels] = (['grid', 'floor', 'background', 'labels'] as const).map((part) => {
+      const box = make('input', { type: 'checkbox', name: part });
+      box.checked = part === 'floor' || part === 'background';
+      return box;
+    }) as [HTMLInputElement, HTMLInputElement, HTMLInputElement, HTMLInputElement];
     const button = make('button', { type: 'button', id: 'share-picture' }, 'Save PNG');
     button.onclick = () => {
       const [width, height] = size.value.split(',').map(Number);
-      void this.savePicture(width && height ? { width, height } : null, grid.checked);
+      void this.savePicture(width && height ? { width, height } : null, {
+        grid: grid.checked,
+        floor: floor.checked,
+        background: background.checked,
+        labels: labels.checked,
+      });
     };
-    const row = make('div', { class: 'row' }, size, make('label', {}, grid, ' grid'), button);
+    const boxes = [grid, floor, background, labels].map((box) => make('label', {}, box, ` ${box.name}`));
+    const row = make('div', { class: 'row' }, size, ...boxes, button);
     return make('section', {}, make('h3', {}, 'Picture'), row);
   }
 
   /** Saves the view as a PNG, as large as is wanted; null for all pixels of the screen. */
-  async savePicture(size: { width: number; height: number } | null, hasGrid?: boolean): Promise<void> {
-    const picture = await this.view.screenshot(size, hasGrid);
+  async savePicture(size: { width: number; height: number } | null, looks: Partial<Looks> = {}): Promise<void> {
+    const picture = await this.view.screenshot(size, looks);
     if (picture) save(picture, `${this.fileName()}.png`);
   }
 

@@ -59,6 +59,8 @@ const HEIGHT: Record<LabelKind, number> = {
 const LEADER = 14;
 /** Distance of a number from its axis, px. */
 const ASIDE = 4;
+/** Room of the dot before a robot's name, px. */
+const DOT = 11;
 /** Interval between two tests of a label for walls and robots, ms, and most labels tested in a frame. */
 const LOOK_INTERVAL = 250;
 const LOOKS = 8;
@@ -178,6 +180,35 @@ export class Labels {
       taken.push(box);
       label.element.style.transform = `translate(${left}px, ${bottom - HEIGHT[label.kind]}px)`;
     }
+  }
+
+  /** Draws those that are shown on a picture with so many pixels for one of the page. */
+  drawOn(context: CanvasRenderingContext2D, ratio: number): void {
+    const { x, y } = this.parent.getBoundingClientRect();
+    context.save();
+    context.scale(ratio, ratio);
+    context.textBaseline = 'middle';
+    for (const { element, shown, kind } of this.labels.values()) {
+      if (shown <= 0) continue;
+      const style = getComputedStyle(element);
+      const box = element.getBoundingClientRect();
+      const [left, top] = [box.x - x, box.y - y];
+      context.globalAlpha = shown;
+      context.fillStyle = style.backgroundColor;
+      context.beginPath();
+      context.roundRect(left, top, box.width, box.height, 4);
+      context.fill();
+      context.font = `${style.fontWeight} ${style.fontSize} ${style.fontFamily}`;
+      context.fillStyle = style.color;
+      const room = Number.parseFloat(style.paddingLeft) + (kind === 'robot' ? DOT : 0);
+      context.fillText(element.textContent ?? '', left + room, top + box.height / 2 + 0.5);
+      if (kind !== 'robot') continue;
+      context.fillStyle = style.getPropertyValue('--own');
+      context.beginPath();
+      context.arc(left + room - DOT / 2 - 2, top + box.height / 2, 3.5, 0, 2 * Math.PI);
+      context.fill();
+    }
+    context.restore();
   }
 
   /** The left bottom corner of a label, px. */

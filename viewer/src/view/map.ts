@@ -36,6 +36,8 @@ export class MapView {
   /** Meshes on which a robot can be put. */
   readonly ground = new THREE.Group();
   readonly starts = new THREE.Group();
+  /** Planes without an end. */
+  private readonly floors: THREE.Mesh[] = [];
   /** Bounding box of the finite parts, on the stage; empty if there are none. */
   readonly bounds = new THREE.Box3();
   /** Shown objects by number. */
@@ -51,12 +53,19 @@ export class MapView {
     private readonly catalogue: Catalogue,
   ) {
     const { solids, markings } = scene.map;
-    const kinds = new Map<SurfaceName, THREE.BufferGeometry[]>();
+    const kinds = new Map<string, { kind: SurfaceName; isFloor: boolean; geometries: THREE.BufferGeometry[] }>();
     [...solids, ...markings].forEach((solid, index) => {
       const kind = index < solids.length ? surfaceOf(solid.material) : 'marking';
-      kinds.set(kind, [...(kinds.get(kind) ?? []), drawnSolid(solid, solid.pose, index)]);
+      const isFloor = solid.shape === 'HalfSpace';
+      const known = kinds.get(`${kind} ${isFloor}`) ?? { kind, isFloor, geometries: [] };
+      known.geometries.push(drawnSolid(solid, solid.pose, index));
+      kinds.set(`${kind} ${isFloor}`, known);
     });
-    kinds.forEach((geometries, kind) => this.ground.add(this.mesh(merged(geometries), kind)));
+    for (const { kind, isFloor, geometries } of kinds.values()) {
+      const mesh = this.mesh(merged(geometries), kind);
+      this.ground.add(mesh);
+      if (isFloor) this.floors.push(mesh);
+    }
     const edges = this.lines(solids.flatMap((solid) => edgesOf(solid, solid.pose)));
     for (const { position, rotation } of startsOf(scene)) this.starts.add(startMark(position, rotation[2]));
     this.group.add(this.ground, edges, this.starts);
@@ -71,6 +80,11 @@ export class MapView {
   /** True if it stands on a plane without an end at a height of 0. */
   get hasFloor(): boolean {
     return this.scene.map.solids.some(({ shape, pose }) => shape === 'HalfSpace' && Math.abs(pose[2]) < 1e-6);
+  }
+
+  /** Shows planes without an end and what is painted on them, or neither. */
+  showFloor(shown: boolean): void {
+    [...this.floors, ...this.decals, this.starts].forEach((object) => (object.visible = shown));
   }
 
   /** Decals on the floor. */

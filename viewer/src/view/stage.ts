@@ -48,6 +48,10 @@ export class Stage {
   private aside: { renderer: OcclusionRenderer; target: THREE.WebGLRenderTarget } | null = null;
   private size = { width: 1, height: 1 };
   /** Settings of a picture that is drawn whatever the ladder says. */
+  /** Draws depths in place of what things look like; null for that. */
+  private depth: THREE.ShaderMaterial | null = null;
+  /** Colour of all that is behind the world, in place of the sky. */
+  private backdrop: THREE.Color | null = null;
   private held: Rung | null = null;
   /** Meshes around the world without a body. */
   private readonly around = [this.sky, this.rim, this.grid, this.shade].map(({ mesh }) => mesh);
@@ -131,6 +135,38 @@ export class Stage {
 
   /** True if a still picture would be better than what is drawn now, and nobody holds a rung. */
   get canImprove(): boolean {
+  /** Draws depths as colours, or what things look like. */
+  showDepths(shown: boolean): void {
+    this.depth?.dispose();
+    this.depth = shown ? depthMaterial() : null;
+  }
+
+  /** Puts a colour behind the world in place of sky and fog; null for these. */
+  setBackdrop(colour: THREE.ColorRepresentation | null): void {
+    this.backdrop = colour === null ? null : new THREE.Color(colour);
+    this.sky.mesh.visible = colour === null;
+    this.scene.fog = colour === null ? this.fog : null;
+    this.scene.background = this.backdrop;
+  }
+
+  /** Shows the rim of the floor and the shadow on it, or neither. */
+  showFloor(shown: boolean): void {
+    this.rim.mesh.scale.setScalar(shown ? 1 : 0);
+    this.shade.mesh.scale.setScalar(shown ? 1 : 0);
+  }
+
+  /** Draws what has a body by its distance. */
+  private renderDepths(material: THREE.ShaderMaterial, distance: number): void {
+    (material.uniforms.range?.value as THREE.Vector2).set(...depthRange(distance));
+    const hidden = [...this.around, ...this.bodiless()].filter(({ visible }) => visible);
+    hidden.forEach((object) => (object.visible = false));
+    const { background } = this.scene;
+    Object.assign(this.scene, { overrideMaterial: material, background: new THREE.Color(DEPTH_COLOURS.at(-1)) });
+    this.renderer.render(this.scene, this.camera);
+    Object.assign(this.scene, { overrideMaterial: null, background });
+    hidden.forEach((object) => (object.visible = true));
+  }
+
     return this.quality < 5 && !this.ladder.isFixed;
   }
 

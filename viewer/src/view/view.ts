@@ -20,6 +20,7 @@ import { type Met, Robots, type Roster } from './robots';
 import { labelMap, labelMetres, labelObjects, labelRobots, labelStarts } from './signs';
 import { Stage } from './stage';
 import { Still } from './still';
+import { copyOf, cutOut } from './cutout';
 import { Targets } from './targets';
 import { frameRate } from './stopwatch';
 
@@ -47,6 +48,15 @@ const CAMERA_IN_SENSOR = new THREE.Matrix4().makeBasis(
 /** Robot with its link, null for the body, or object at a point of the screen, and its place there in the wire's frame; or the ground. */
 type ThingHit = ({ robot: number; link: number | null } | { object: number }) & { place: Vector };
 export type Hit = ThingHit | { ground: true; place: Vector };
+
+/** Parts of a picture that is saved. */
+export interface Looks {
+  grid: boolean;
+  floor: boolean;
+  /** Sky; without it what is behind the world is transparent. */
+  background: boolean;
+  labels: boolean;
+}
 
 interface World {
   scene: Scene;
@@ -359,24 +369,46 @@ export class View {
   /**
    * The picture as a PNG at the best quality, whatever rung is drawn with now: as large as is wanted, px, or with every pixel of the screen.
    */
-  async screenshot(
-    size: { width: number; height: number } | null = null,
-    hasGrid = this.stage.grid.mesh.visible,
-  ): Promise<Blob | null> {
-    const hadGrid = this.stage.grid.mesh.visible;
-    this.stage.grid.mesh.visible = hasGrid;
-    this.stage.setSaving(true);
+  async screenshot(size: { width: number; height: number } | null, looks: Partial<Looks>): Promise<Blob | null> {
+    const before = this.stage.grid.mesh.visible;
+    const { grid = before, floor = true, background = true, labels = false } = looks;
     const ratio = window.devicePixelRatio;
     if (size) this.resizeTo(size.width / ratio, size.height / ratio);
     else this.resize();
-    this.stage.render(this.cameras.target, this.cameras.distance);
-    // What the canvas shows is taken at once, and written later.
-    const picture = new Promise<Blob | null>((resolve) => this.canvas.toBlob(resolve, 'image/png'));
-    this.stage.grid.mesh.visible = hadGrid;
+    const draw = () => {
+      this.stage.render(this.cameras.target, this.cameras.distance);
+      return copyOf(this.canvas);
+    };
+    let picture: HTMLCanvasElement;
+    if (background) picture = draw();
+    else {
+      const [onBlack, onWhite] = ['#000000', '#ffffff'].map((colour) => {
+        this.stage.setBackdrop(colour);
+        return draw();
+      }) as [HTMLCanvasElement, HTMLCanvasElement];
+      this.stage.setBackdrop(null);
+      picture = cutOut(onBlack, onWhite);
+    }
+    const context = picture.getContext('2d');
+    if (labels && context) {
+      this.labels.update(this.cameras.camera, this.cameras.distance);
+      this.labels.drawOn(context, picture.width / (size ? size.width / ratio : this.canvas.clientWidth));
+    }
+    if (!floor) this.showFloor(true);
+    this.stage.grid.mesh.visible = before;
     this.stage.setSaving(false);
     this.resize();
-    return picture;
+    return new Promise<Blob | null>((resolve) => picture.toBlob(resolve, 'image/png'));
   }
+
+  private showFloor(shown: boolean): void {
+    this.stage.showFloor(shown);
+    this.world?.map.showFloor(shown);
+    if (this.world) this.world.robots.decal.visible = shown;
+  }
+    this.stage.grid.mesh.visible = grid && floor;
+    if (!floor) this.showFloor(false);
+    this.stage.setSaving(true);
 
   /** Frames drawn in the last second; null at rest. */
   framesPerSecond(): number | null {
