@@ -29,6 +29,7 @@ import { suggestions } from './panel/suggest';
 import { Toasts } from './panel/toasts';
 import { Tools } from './panel/tools';
 import { Welcome } from './panel/welcome';
+import { victimBoxes } from './panel/victims';
 import { WirePanel } from './panel/wire';
 import { WorldPanel } from './panel/world';
 import { type Link, readLink } from './link';
@@ -258,6 +259,12 @@ const world = new WorldPanel(
     },
     lookAt: (place) => view.lookAtPlace(place),
     isPlotted: (robot, key) => plots.has(robot, key),
+  (picture) => {
+    const [robot, sensor] = [state.robotState(picture.robot), state.classOf(picture.robot)?.sensors[picture.sensor]];
+    const victims = (state.scene?.map.sights ?? []).filter(({ kind }) => kind === 'Victims');
+    if (!robot || !sensor || victims.length === 0) return [];
+    return victimBoxes(picture, sensor, robot, victims, (from, to, near) => view.sees(from, to, near));
+  },
     plot(robot, value) {
       plots.toggle(robot, value);
       if (!plots.isEmpty()) showPlots(true);
@@ -505,3 +512,5 @@ setInterval(() => {
   bar100.style.width = `${(100 * round) / metres}px`;
   setText(bar100, round < 1 ? `${Math.round(round * 100)} cm` : `${round} m`);
 }, PANEL_INTERVAL);
+  objectPanel.update();
+  tools.updateDepths();

@@ -20,8 +20,8 @@ const pictureBytes = ({ png, ...picture }) => messageBytes({ picture: { ...pictu
 
 test('a picture names its robot, its sensor and its time, and has a file', () => {
   for (const sent of [
-    { robot: 3_000_000_000, sensor: 255, time: 12.345, png: PNG },
-    { robot: 0, sensor: 0, time: 0, png: [] },
+    { robot: 3_000_000_000, sensor: 255, time: 12.345, png: PNG, field_of_view: 1.5 },
+    { robot: 0, sensor: 0, time: 0, png: [], field_of_view: 0 },
   ]) {
     const { picture } = readMessage(pictureBytes(sent));
     assert.deepEqual({ ...picture, png: [...picture.png] }, sent);

@@ -16,6 +16,8 @@ export class Pictures {
     private readonly wanted: (robots: number[]) => void,
     /** Changes places: the view looks through the robot's camera, or no longer. */
     private readonly swap: (robot: number) => void,
+    /** Returns boxes about the victims in a picture. */
+    private readonly boxes: (picture: Picture) => HTMLElement[],
   ) {
     // Timers of a page that is hidden run late.
     document.addEventListener('visibilitychange', () => this.tellWanted());
@@ -28,7 +30,8 @@ export class Pictures {
   }
 
   take(picture: Picture): void {
-    this.rows.get(key(picture.robot, picture.sensor))?.take(picture);
+    const row = this.rows.get(key(picture.robot, picture.sensor));
+    if (row?.isSeen) row.take(picture, this.boxes(picture));
   }
 
   /** Forgets robots that have left, and follows the moment that is shown; to be called a few times a second. */
@@ -72,6 +75,7 @@ class PictureRow {
   private readonly button: HTMLElement;
   private readonly image = make('img', { hidden: '' });
   private readonly placeholder = make('p', { class: 'quiet' });
+  private readonly marks = make('div', { class: 'victim-boxes' });
   private readonly time = make('small');
   private readonly figure: HTMLElement;
   private readonly screen: HTMLElement;
@@ -103,7 +107,7 @@ class PictureRow {
       else this.show();
       uses.changed();
     };
-    this.screen = make('div', { class: 'screen' }, this.image, this.placeholder);
+    this.screen = make('div', { class: 'screen' }, this.image, this.marks, this.placeholder);
     // Its room is kept before the first picture, so that nothing jumps.
     this.screen.style.aspectRatio = `${camera.width} / ${camera.height}`;
     this.apart.onclick = () => (this.inset ? this.putBack() : this.putApart());
@@ -134,8 +138,8 @@ class PictureRow {
     this.clear();
   }
 
-  take({ time, png }: Picture): void {
-    if (!this.isShown) return;
+  take({ time, png }: Picture, boxes: HTMLElement[]): void {
+    this.marks.replaceChildren(...boxes);
     const before = this.url;
     this.url = URL.createObjectURL(new Blob([png], { type: 'image/png' }));
     this.image.src = this.url;
@@ -190,6 +194,7 @@ class PictureRow {
     if (this.url !== null) URL.revokeObjectURL(this.url);
     this.url = null;
     this.image.removeAttribute('src');
+    this.marks.replaceChildren();
     [this.image.hidden, this.placeholder.hidden] = [true, false];
     setText(this.placeholder, this.isPresent ? 'Waiting for the first picture' : 'Only the present has pictures');
     setText(this.time, '–');

@@ -77,6 +77,14 @@ export interface Scan {
   ranges: number[];
 }
 
+/** A beam that comes back from nothing is at its range. */
+const NOTHING = 0.9995;
+
+/** True if a beam with a range, as a part of the greatest, met something. */
+export function isHit(range: number): boolean {
+  return range > 0 && range < NOTHING;
+}
+
 /** Picture of a camera. */
 export interface Picture {
   robot: number;
@@ -85,6 +93,8 @@ export interface Picture {
   time: number;
   /** A PNG file. */
   png: Uint8Array<ArrayBuffer>;
+  /** Angle from its left to its right edge, rad. */
+  field_of_view: number;
 }
 
 /** Unit of a force, N. */

@@ -66,5 +66,6 @@ export interface Picture {
   sensor: number;
   time: number;
   png: Uint8Array<ArrayBuffer> | undefined;
+  field_of_view: number;
 }
 export function readPicture(pbf: PbfReader, end?: number): Picture;

@@ -89,13 +89,14 @@ export function readScan(pbf, end) {
 }
 
 export function readPicture(pbf, end) {
-    const obj = {robot: 0, sensor: 0, time: 0, png: undefined};
+    const obj = {robot: 0, sensor: 0, time: 0, png: undefined, field_of_view: 0};
     let field;
     while ((field = pbf.nextField(end))) {
         if (field === 1) obj.robot = pbf.readVarint();
         else if (field === 2) obj.sensor = pbf.readVarint();
         else if (field === 3) obj.time = pbf.readDouble();
         else if (field === 4) obj.png = pbf.readBytes();
+        else if (field === 5) obj.field_of_view = pbf.readDouble();
     }
     return obj;
 }

@@ -1,7 +1,7 @@
 /** Overlay of the world: paths, scans, contacts, frames. */
 
 import * as THREE from 'three';
-import type { Contact, Frame, RobotState, Scan } from '../protocol/frame';
+import { type Contact, type Frame, type RobotState, type Scan, isHit } from '../protocol/frame';
 import type { RobotClass, Sensor, Wheel } from '../protocol/scene';
 import { Arrows } from './arrows';
 import { Axes } from './axes';
@@ -12,7 +12,7 @@ import { PointCloud } from './points';
 import { setPose } from './pose';
 import { Rays, coneGeometry, fanGeometry } from './rays';
 
-export const LAYERS = ['paths', 'points', 'rays', 'forces', 'frames', 'names', 'goals', 'grid'] as const;
+export const LAYERS = ['paths', 'points', 'rays', 'forces', 'frames', 'names', 'goals', 'grid', 'depth'] as const;
 export type Layer = (typeof LAYERS)[number];
 /** Layers that are shown by default. */
 export const FIRST_LAYERS: readonly Layer[] = ['paths', 'points', 'names', 'goals', 'grid'];
@@ -27,13 +27,11 @@ const LEAST_FORCE = 0.5;
 const SLIP_LENGTH = 0.06;
 const LEAST_SLIP = 0.002;
 const [HOLDS, SLIDES] = FORCE_COLOURS.map((colour) => new THREE.Color(colour)) as [THREE.Color, THREE.Color];
-/** A beam that comes back from nothing is at its range. */
-const NOTHING = 0.9995;
 /** A path lies so far above the floor, m. */
 const PATH_HEIGHT = 0.008;
 
 type ClassOf = (robot: number) => RobotClass | null;
-type OwnLayer = Exclude<Layer, 'grid' | 'names' | 'goals'>;
+type OwnLayer = Exclude<Layer, 'grid' | 'names' | 'goals' | 'depth'>;
 
 export class Overlay {
   readonly group = new THREE.Group();
@@ -88,9 +86,7 @@ export class Overlay {
     const colour = new THREE.Color(this.colourOf(id));
     const ends = beamEnds(sensor, ranges, mount);
     if (sensor.fan) {
-      const hits = ranges.flatMap((part, beam) =>
-        part > 0 && part < NOTHING ? [...ends.subarray(3 * beam, 3 * beam + 3)] : [],
-      );
+      const hits = ranges.flatMap((part, beam) => (isHit(part) ? [...ends.subarray(3 * beam, 3 * beam + 3)] : []));
       this.cloud.set(key, Float32Array.from(hits), colour);
     }
     if (id !== this.selected || !this.rays.group.visible) return;

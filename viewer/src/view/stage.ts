@@ -2,6 +2,7 @@
 
 import * as THREE from 'three';
 import { LIGHT } from './colours';
+import { DEPTH_COLOURS, depthMaterial, depthRange } from './depth';
 import { makeEnvironment } from './environment';
 import { Grid } from './grid';
 import { Lights } from './lights';
@@ -47,11 +48,11 @@ export class Stage {
   /** Draws strips of still pictures, and takes them. */
   private aside: { renderer: OcclusionRenderer; target: THREE.WebGLRenderTarget } | null = null;
   private size = { width: 1, height: 1 };
-  /** Settings of a picture that is drawn whatever the ladder says. */
   /** Draws depths in place of what things look like; null for that. */
   private depth: THREE.ShaderMaterial | null = null;
   /** Colour of all that is behind the world, in place of the sky. */
   private backdrop: THREE.Color | null = null;
+  /** Settings of a picture that is drawn whatever the ladder says. */
   private held: Rung | null = null;
   /** Meshes around the world without a body. */
   private readonly around = [this.sky, this.rim, this.grid, this.shade].map(({ mesh }) => mesh);
@@ -128,13 +129,12 @@ export class Stage {
     this.fog.near = 12 + 2 * distance;
     this.fog.far = 90 + 7 * distance;
     if (this.lights.cover(target, 0.75 * distance)) this.renewShadows();
-    if (this.rung.occlusion) this.occluding().render();
+    if (this.depth) this.renderDepths(this.depth, distance);
+    else if (this.rung.occlusion) this.occluding().render();
     else this.renderer.render(this.scene, this.camera);
     if (!this.held) this.stopwatch.drawn(began);
   }
 
-  /** True if a still picture would be better than what is drawn now, and nobody holds a rung. */
-  get canImprove(): boolean {
   /** Draws depths as colours, or what things look like. */
   showDepths(shown: boolean): void {
     this.depth?.dispose();
@@ -167,7 +167,9 @@ export class Stage {
     hidden.forEach((object) => (object.visible = true));
   }
 
-    return this.quality < 5 && !this.ladder.isFixed;
+  /** True if a still picture would be better than what is drawn now, and nobody holds a rung. */
+  get canImprove(): boolean {
+    return this.quality < 5 && !this.ladder.isFixed && this.depth === null;
   }
 
   /**

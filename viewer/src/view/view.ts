@@ -213,7 +213,8 @@ export class View {
     if (layer === 'grid') {
       this.stage.grid.mesh.visible = shown;
       this.labels.layers.metres = shown;
-    } else if (layer === 'names') {
+    } else if (layer === 'depth') this.stage.showDepths(shown);
+    else if (layer === 'names') {
       Object.assign(this.labels.layers, { robot: shown, start: shown, node: shown, object: shown });
     } else if (layer === 'goals') {
       this.labels.layers.goal = shown;
@@ -336,6 +337,14 @@ export class View {
     return hit && onWire(hit.point);
   }
 
+  /** True if nothing of the map stands between two places of the wire's frame, but for what is so near to the second, m. */
+  sees(from: Vector, to: Vector, near: number): boolean {
+    const [eye, place] = [onStage(from), onStage(to)];
+    const towards = place.sub(eye);
+    const far = towards.length() - near;
+    return far <= 0 || this.groundHit(new THREE.Raycaster(eye, towards.normalize(), 0, far)) === null;
+  }
+
   /** Shows a robot of a class as if it were put on the ground there, red where it cannot stand; or none. */
   showGhost(robotClass: string | null, place: Vector = [0, 0, 0], yaw = 0, fits = true): void {
     this.ghost.setFits(fits);
@@ -367,12 +376,16 @@ export class View {
   }
 
   /**
-   * The picture as a PNG at the best quality, whatever rung is drawn with now: as large as is wanted, px, or with every pixel of the screen.
+   * Returns the picture as a PNG at the best quality, whatever rung is drawn with now: as large as is wanted, px, or with every pixel of the
+   * screen.
    */
   async screenshot(size: { width: number; height: number } | null, looks: Partial<Looks>): Promise<Blob | null> {
     const before = this.stage.grid.mesh.visible;
     const { grid = before, floor = true, background = true, labels = false } = looks;
     const ratio = window.devicePixelRatio;
+    this.stage.grid.mesh.visible = grid && floor;
+    if (!floor) this.showFloor(false);
+    this.stage.setSaving(true);
     if (size) this.resizeTo(size.width / ratio, size.height / ratio);
     else this.resize();
     const draw = () => {
@@ -406,9 +419,6 @@ export class View {
     this.world?.map.showFloor(shown);
     if (this.world) this.world.robots.decal.visible = shown;
   }
-    this.stage.grid.mesh.visible = grid && floor;
-    if (!floor) this.showFloor(false);
-    this.stage.setSaving(true);
 
   /** Frames drawn in the last second; null at rest. */
   framesPerSecond(): number | null {
@@ -416,6 +426,11 @@ export class View {
     this.drawn = this.drawn.filter((time) => time > since);
     this.idle = this.idle.filter((time) => time > since);
     return frameRate(this.drawn.length, this.idle.length);
+  }
+
+  /** Distance of the camera from what it looks at, m. */
+  get distance(): number {
+    return this.cameras.distance;
   }
 
   /** Length in metres of 100 pixels where the camera looks. */

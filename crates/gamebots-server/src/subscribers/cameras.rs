@@ -9,7 +9,8 @@ use axum::body::Bytes;
 use page_protocol::pb;
 use page_protocol::pb::message::Content;
 use picture::Drawer;
-use scene::Sensed;
+use scene::sensor::camera;
+use scene::{Reading, Sensed};
 use sim_core::{PawnId, World};
 use tokio::sync::broadcast;
 use tracing::warn;
@@ -192,7 +193,9 @@ fn draw(waiting: &Receiver<Order>, pictures: &broadcast::Sender<Picture>, board:
         }
         if let Some(png) = png {
             let (robot, sensor) = (job.sensed.robot.0, job.sensed.sensor as u32);
-            let picture = pb::Picture { robot: robot as u32, sensor, time: job.snapshot.time, png };
+            let Reading::Camera(camera::Reading { field_of_view }) = job.sensed.reading else { continue };
+            let time = job.snapshot.time;
+            let picture = pb::Picture { robot: robot as u32, sensor, time, png, field_of_view };
             let message = page_protocol::encode(Content::Picture(picture)).into();
             // The last viewer may have left.
             let _ = pictures.send(Picture { robot, message });
