@@ -17,9 +17,10 @@ import { Leading } from './panel/leading';
 import { changeMap, offerMaps } from './panel/maps';
 import { Mission } from './panel/mission';
 import { plainNotice } from './panel/notices';
+import { ObjectPanel } from './panel/object';
 import { Opening } from './panel/open';
 import { Pace } from './panel/pace';
-import { buildSheets, buildSplitters, buildTabs } from './panel/panes';
+import { WIDE, buildFrame, buildSheets, buildSplitters, buildTabs } from './panel/panes';
 import { Pictures } from './panel/pictures';
 import { PlayBar, othersAgree } from './panel/play';
 import { PlotsPanel } from './panel/plots';
@@ -28,8 +29,8 @@ import { Sharing } from './panel/share';
 import { suggestions } from './panel/suggest';
 import { Toasts } from './panel/toasts';
 import { Tools } from './panel/tools';
-import { Welcome } from './panel/welcome';
 import { victimBoxes } from './panel/victims';
+import { Welcome } from './panel/welcome';
 import { WirePanel } from './panel/wire';
 import { WorldPanel } from './panel/world';
 import { type Link, readLink } from './link';
@@ -49,6 +50,8 @@ const PANEL_INTERVAL = 100;
 const PLOT_INTERVAL = 250;
 /** Time between two frames, s. */
 const FRAME = 1 / 30;
+/** Distance of a copy of a robot, which stands beside what is in its way, m. */
+const COPY_DISTANCE = 1;
 /** Moments of the past that a new plot begins with. */
 const PLOT_PAST = 600;
 
@@ -76,7 +79,10 @@ const playback = new Playback(transport.sceneOfLog, {
     view.renewObjects();
   },
   frame: showFrame,
-  scan: (scan) => view.setScan(scan),
+  scan(scan) {
+    view.setScan(scan);
+    plots.takeScan(scan);
+  },
   picture: (picture) => pictures.take(picture),
   status: showStatus,
   line: (line) => wire.line(line),
@@ -127,6 +133,11 @@ const menu = new ContextMenu(state, view, hands, {
   choose,
   look: (mode) => tools.look(mode),
   spawnAt: (place) => drive.spawnHere(place),
+  copyRobot,
+  remove: removeChosen,
+});
+const objectPanel = new ObjectPanel(state, hands, {
+  look: (object) => view.lookAtObject(object),
   remove: removeChosen,
 });
 const leading = new Leading(
@@ -154,6 +165,7 @@ const drive = new DrivePanel(
     select(robot);
     // A scenario has a view of its own.
     if (isNew && !state.scene?.scenario?.camera) view.fit(robot);
+    if (isNew && WIDE.matches && remembered('plots') !== 'closed') showPlots(true);
   },
   // What drives is in the view, and in the present.
   () => {
@@ -247,6 +259,12 @@ const pictures = new Pictures(
     select(robot);
     tools.swapRobotsView();
   },
+  (picture) => {
+    const [robot, sensor] = [state.robotState(picture.robot), state.classOf(picture.robot)?.sensors[picture.sensor]];
+    const victims = (state.scene?.map.sights ?? []).filter(({ kind }) => kind === 'Victims');
+    if (!robot || !sensor || victims.length === 0) return [];
+    return victimBoxes(picture, sensor, robot, victims, (from, to, near) => view.sees(from, to, near));
+  },
 );
 const world = new WorldPanel(
   state,
@@ -259,14 +277,13 @@ const world = new WorldPanel(
     },
     lookAt: (place) => view.lookAtPlace(place),
     isPlotted: (robot, key) => plots.has(robot, key),
-  (picture) => {
-    const [robot, sensor] = [state.robotState(picture.robot), state.classOf(picture.robot)?.sensors[picture.sensor]];
-    const victims = (state.scene?.map.sights ?? []).filter(({ kind }) => kind === 'Victims');
-    if (!robot || !sensor || victims.length === 0) return [];
-    return victimBoxes(picture, sensor, robot, victims, (from, to, near) => view.sees(from, to, near));
-  },
     plot(robot, value) {
       plots.toggle(robot, value);
+      if (!plots.isEmpty()) showPlots(true);
+    },
+    isPlottedOfObject: (object, key) => plots.hasOfObject(object, key),
+    plotOfObject(object, value) {
+      plots.toggleOfObject(object, value);
       if (!plots.isEmpty()) showPlots(true);
     },
     expanded: (robots) => live.listenToRobots(robots),
@@ -414,11 +431,25 @@ function removeChosen(): void {
   else say('Nothing is chosen');
 }
 
+/** Spawns another robot of the chosen one's class beside it. */
+function copyRobot(): void {
+  const [robot, shown] = [state.robot(state.selected), state.robotState(state.selected)];
+  if (!robot || !shown) return;
+  const [x, y, z] = shown.pose;
+  drive.spawnAt(robot.class, [x, y + COPY_DISTANCE, z]);
+}
+
 function showPlots(shown: boolean): void {
   find('plots').hidden = !shown;
   document.querySelector<HTMLElement>('[data-resizes=plots]')?.toggleAttribute('hidden', !shown);
   find('toggle-plots').setAttribute('aria-pressed', String(shown));
   if (shown && plots.isEmpty()) plots.plotFirst();
+}
+
+/** Opens or closes the plots, as a person wants it: on a wide screen they open by themselves otherwise. */
+function togglePlots(): void {
+  showPlots(find('plots').hidden === true);
+  remember('plots', find('plots').hidden ? 'closed' : 'open');
 }
 
 function plotFirst(): void {
@@ -440,6 +471,7 @@ function setTheme(dark: boolean): void {
 const showTab = buildTabs((tab) => live.listenToWire(tab === 'wire'));
 const showSheet = buildSheets(showTab, showPlots);
 buildSplitters();
+buildFrame();
 void door.load();
 const preferred = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
 setTheme((remembered('theme') ?? preferred) === 'dark');
@@ -457,7 +489,7 @@ const actions: Action[] = [
   { name: 'Next camera: orbit, follow, chase, top, robot', key: 'c', shown: 'C', run: () => tools.nextCamera() },
   { name: 'Fit the robot, or the map', key: 'g', shown: 'G', run: press('fit') },
   { name: 'The whole map', key: 'Home', run: press('home') },
-  { name: 'Plots', key: 'p', shown: 'P', run: () => showPlots(find('plots').hidden === true) },
+  { name: 'Plots', key: 'p', shown: 'P', run: togglePlots },
   { name: 'Plot position, speeds and slip', run: plotFirst },
   { name: 'Wire: the lines of the protocol', key: 'l', shown: 'L', drives: true, run: () => showTab('wire') },
   { name: 'Code: a program in Python', key: 'y', shown: 'Y', drives: true, run: () => showTab('code') },
@@ -492,7 +524,10 @@ find('theme').onclick = () => setTheme(document.documentElement.dataset.theme !=
 find('map').onclick = () => offerMaps(state, live);
 find('screenshot').onclick = () => void sharing.savePicture(null);
 find('share').onclick = () => sharing.open();
-find('toggle-plots').onclick = () => showPlots(find('plots').hidden === true);
+find('toggle-plots').onclick = togglePlots;
+for (const button of document.querySelectorAll<HTMLElement>('[data-press]')) {
+  button.onclick = press(button.dataset.press ?? '');
+}
 find('fullscreen').onclick = () =>
   void (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen());
 find('view').addEventListener('dblclick', focusView);
@@ -502,6 +537,8 @@ setInterval(() => {
   play.updateTime();
   pace.update(state.isPresent ? state.status : null);
   world.updateValues();
+  objectPanel.update();
+  tools.updateDepths();
   drive.updateFrame();
   wire.draw();
   const rate = view.framesPerSecond();
@@ -512,5 +549,3 @@ setInterval(() => {
   bar100.style.width = `${(100 * round) / metres}px`;
   setText(bar100, round < 1 ? `${Math.round(round * 100)} cm` : `${round} m`);
 }, PANEL_INTERVAL);
-  objectPanel.update();
-  tools.updateDepths();

@@ -1,7 +1,7 @@
 /** Numbers of a robot that the page can show and plot. */
 
 import { type Contact, type RobotState, rollPitchYaw } from './protocol/frame';
-import type { Joint, RobotClass } from './protocol/scene';
+import type { Joint, Pose, RobotClass } from './protocol/scene';
 import type { SensorValues } from './protocol/sensors';
 
 export interface Value {
@@ -39,14 +39,23 @@ export function valuesOf(robotClass: RobotClass, sensors: SensorValues): Group[]
   return groups.filter(({ values }) => values.length > 0);
 }
 
-const POSE: Value[] = [
-  value('x', 'm', 3, ({ pose }) => pose[0]),
-  value('y', 'm', 3, ({ pose }) => pose[1]),
-  value('z', 'm', 3, ({ pose }) => pose[2]),
-  value('roll', '°', 1, ({ pose }) => DEGREES * rollPitchYaw(pose)[0]),
-  value('pitch', '°', 1, ({ pose }) => DEGREES * rollPitchYaw(pose)[1]),
-  value('yaw', '°', 1, ({ pose }) => DEGREES * rollPitchYaw(pose)[2]),
+/** Value that a pose alone gives: of a robot, or of an object. */
+export interface PoseValue extends Value {
+  read: (of: { pose: Pose }) => number;
+}
+
+export const POSE: PoseValue[] = [
+  ofPose('x', 'm', 3, ({ pose }) => pose[0]),
+  ofPose('y', 'm', 3, ({ pose }) => pose[1]),
+  ofPose('z', 'm', 3, ({ pose }) => pose[2]),
+  ofPose('roll', '°', 1, ({ pose }) => DEGREES * rollPitchYaw(pose)[0]),
+  ofPose('pitch', '°', 1, ({ pose }) => DEGREES * rollPitchYaw(pose)[1]),
+  ofPose('yaw', '°', 1, ({ pose }) => DEGREES * rollPitchYaw(pose)[2]),
 ];
+
+function ofPose(name: string, unit: string, digits: number, read: PoseValue['read']): PoseValue {
+  return { key: name, name, unit, digits, read };
+}
 
 const VELOCITY: Value[] = [
   value('forward', 'm/s', 3, ({ linear }) => linear[0]),

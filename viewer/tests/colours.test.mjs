@@ -45,10 +45,10 @@ test('the first curve of a robot has its colour, and no other curve has it', () 
     ['ggb', [green, orange, blue]],
     ['gbgb', [green, blue, orange, pink]],
   ]) {
-    const robots = { b: { robot: 1, colour: blue }, g: { robot: 2, colour: green } };
+    const robots = { b: { thing: 'robot 1', colour: blue }, g: { thing: 'robot 2', colour: green } };
     assert.deepEqual(curveColours([...curves].map((letter) => robots[letter])), expected, curves);
   }
-  const many = curveColours(Array.from({ length: 30 }, () => ({ robot: 1, colour: blue })));
+  const many = curveColours(Array.from({ length: 30 }, () => ({ thing: 'robot 1', colour: blue })));
   assert.equal(many.filter((colour) => colour === blue).length, 1);
 });
 

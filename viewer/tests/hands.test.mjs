@@ -124,7 +124,7 @@ pageTest('a menu puts a crate on the floor and removes it, by keys alone', rough
   await page.waitForSelector('[data-object]:text-is("WCCrate-1")');
   await page.focus('[data-object]:text-is("WCCrate-1")');
   await page.keyboard.press('Enter');
-  await page.waitForSelector('.facts');
+  await page.waitForSelector('#object:has-text("WCCrate-1")');
   await page.keyboard.press('u');
   await page.waitForSelector('#menu[aria-label=WCCrate-1]');
   await page.keyboard.press('Escape');
@@ -163,4 +163,22 @@ pageTest('a right click on the floor offers what can be put there', rough, async
   await page.waitForSelector('#menu[aria-label=WCPallet-1]');
   await page.mouse.click(5, 5);
   await page.waitForSelector('#menu', { state: 'detached' });
+});
+
+pageTest('an object is copied, and its pose is plotted', rough, async ({ page, server }) => {
+  const controller = await crateFromAbove(page, server);
+  await page.waitForSelector('#object:has-text("box")');
+  // Nobody knows the class of what others have named.
+  assert.equal(await page.isVisible('#object button:text-is("Copy")'), false);
+  controller.send(
+    'CONTROL {Type Create} {ClassName WCCrate} {Name WCCrate-1} {Location 2,0,-0.26} {Physics RigidBody}',
+  );
+  await page.click('[data-object]:text-is("WCCrate-1")');
+  await page.click('#object button:text-is("Copy")');
+  await page.click('[data-object]:text-is("WCCrate-2")');
+  await waitForPlace(page, ({ x, z }) => Math.abs(x - 2.6) < 0.01 && Math.abs(z + 0.25) < 0.01);
+  await page.click('.value:has([data-object-value=z])');
+  await page.waitForSelector('.chart:has-text("WCCrate-2 z")');
+  assert.equal(await page.getAttribute('.value:has([data-object-value=z])', 'aria-pressed'), 'true');
+  controller.end();
 });

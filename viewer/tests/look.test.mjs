@@ -87,6 +87,41 @@ pageTest('a sheet on a phone leaves the view and its sticks', { page: PHONE }, a
   await page.waitForSelector('#layers:not([open])', { state: 'attached' });
 });
 
+pageTest('a phone has commands, keys and the picture in its sheet of time', { page: PHONE }, async ({ page }) => {
+  await page.tap('[data-sheet=play]');
+  assert.ok(await page.isVisible('#screenshot'));
+  for (const [button, title] of [
+    ['commands', 'Commands'],
+    ['help', 'Keys'],
+  ]) {
+    await page.tap(`[data-press=${button}]`);
+    await page.waitForSelector(`dialog[open]:has-text("${title}")`);
+    await page.keyboard.press('Escape');
+  }
+  // Nothing is wider than the screen.
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+});
+
+pageTest('in a frame the view has the room, and panels come when they are wanted', {}, async ({ page, server }) => {
+  // Only the page of a program may be framed, as in a notebook.
+  await page.route(server.url, async (route) => {
+    const response = await route.fetch();
+    const { 'content-security-policy': policy, ...headers } = response.headers();
+    assert.match(policy, /frame-ancestors 'none'/);
+    await route.fulfill({ response, headers });
+  });
+  const body = '<iframe src="/" width="900" height="480"></iframe>';
+  await page.route(`${server.url}notebook`, (route) => route.fulfill({ contentType: 'text/html', body }));
+  await page.goto(`${server.url}notebook`);
+  const frame = page.frameLocator('iframe');
+  await frame.locator('html[data-framed][data-state=live]').waitFor();
+  const part = await frame.locator('#view').evaluate((view) => view.clientHeight / innerHeight);
+  const across = await frame.locator('#view').evaluate((view) => view.clientWidth / innerWidth);
+  assert.ok(across > 0.98 && part > 0.8, `${across} ${part}`);
+  await frame.locator('#panels').click();
+  await frame.locator('#world').waitFor();
+});
+
 pageTest('propellers turn while a robot hovers', {}, async ({ page }) => {
   await spawnRobot(page, { robotClass: 'AirRobot' });
   await waitForScale(page, 0.5);

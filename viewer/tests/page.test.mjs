@@ -140,6 +140,35 @@ pageTest('plots are drawn', { serve: ['--map', 'rough'] }, async ({ page }) => {
   await waitForNumber(page, '#time', (value) => value > 6);
 });
 
+pageTest(
+  'a value is plotted against another, and what a laser sees',
+  { serve: ['--map', 'hall'] },
+  async ({ page }) => {
+    await spawnRobot(page, { robotClass: 'P3AT' });
+    await page.click('#toggle-plots');
+    await page.waitForSelector('.plane:not([hidden])');
+    await page.selectOption('[aria-label="Value that goes right"]', 'robot 0/x');
+    await page.selectOption('[aria-label="Value that goes up"]', 'robot 0/y');
+    await page.click('#plot-against');
+    await page.click('#plot-laser');
+    await page.keyboard.down('w');
+    await page.keyboard.down('q');
+    const inked = (label) =>
+      page.waitForFunction((label) => {
+        const canvas = document.querySelector(`canvas[aria-label^="${label}"]`);
+        if (!canvas?.width) return false;
+        const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+        let blue = 0;
+        for (let at = 0; at < data.length; at += 4) if (data[at + 2] > data[at] + 80 && data[at + 3] > 200) blue++;
+        return blue > 150;
+      }, label);
+    await inked('Robot1 y against Robot1 x');
+    await inked('Robot1 lms200');
+    await page.click('[aria-label="Close the plot of Robot1 lms200"]');
+    await page.waitForSelector('canvas[aria-label^="Robot1 lms200"]', { state: 'detached' });
+  },
+);
+
 pageTest('lines of the wire are shown and filtered', { serve: ['--map', 'rough'] }, async ({ page }) => {
   await page.click('[data-tab=wire]');
   await spawnRobot(page);

@@ -3,13 +3,16 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { curveColours } from '../view/colours';
+import type { Frame } from '../protocol/frame';
 import type { Value } from '../values';
 import { fixed, make, save, setText } from './dom';
+import { WIDE } from './panes';
 
 /** Simulated seconds that are shown while the chart follows, and that are kept. */
 const WINDOW = 20;
 const KEPT = 600;
-const HEIGHTS = { least: 100, most: 420 };
+/** Heights, px; the last one beside the view, where charts are below each other. */
+const HEIGHTS = { least: 100, most: 420, beside: 190 };
 const LEAST_WIDTH = 220;
 /** Most names of values in an axis title. */
 const NAMED = 2;
@@ -28,14 +31,20 @@ const SAME = 0.015;
 
 const AXIS_TITLE = { labelSize: 15, labelGap: 0, labelFont: '11px system-ui, sans-serif' };
 
-/** Value of one robot, drawn as a curve. */
+/** Value of a robot or an object, drawn as a curve. */
 export interface Series {
-  robot: number;
+  /** Robot or object, as `robot 3`. */
+  thing: string;
   label: string;
   /** Colour of the robot. */
   colour: string;
-  value: Value;
+  value: Shown;
+  /** Reads it from a frame. */
+  read: (frame: Frame) => number | null;
 }
+
+/** Names and unit of a value, without the way that it is read. */
+export type Shown = Omit<Value, 'read'>;
 
 export class Chart {
   readonly element = make('figure', { class: 'chart' });
@@ -77,8 +86,12 @@ export class Chart {
     );
   }
 
-  has(robot: number, key: string): boolean {
-    return this.series.some((series) => series.robot === robot && series.value.key === key);
+  has(thing: string, key: string): boolean {
+    return this.series.some((series) => series.thing === thing && series.value.key === key);
+  }
+
+  get curves(): readonly Series[] {
+    return this.series;
   }
 
   isEmpty(): boolean {
@@ -105,8 +118,8 @@ export class Chart {
     this.build();
   }
 
-  remove(robot: number, key: string): void {
-    const index = this.series.findIndex((series) => series.robot === robot && series.value.key === key);
+  remove(thing: string, key: string): void {
+    const index = this.series.findIndex((series) => series.thing === thing && series.value.key === key);
     if (index < 0) return;
     this.series.splice(index, 1);
     this.data.splice(index + 1, 1);
@@ -161,7 +174,7 @@ export class Chart {
     const panel = this.element.closest<HTMLElement>('#plots');
     const legend = this.place.querySelector<HTMLElement>('.u-legend')?.offsetHeight ?? 0;
     const above = panel ? this.place.getBoundingClientRect().top - this.rowTop(panel) : 0;
-    const room = (panel?.clientHeight ?? 0) - above - legend - 12;
+    const room = WIDE.matches ? HEIGHTS.beside : (panel?.clientHeight ?? 0) - above - legend - 12;
     this.plot?.setSize({ width: this.width(), height: Math.max(HEIGHTS.least, Math.min(HEIGHTS.most, room)) });
     this.placeLine();
   }
@@ -221,7 +234,7 @@ export class Chart {
 
   /** A robot's name is left out where all is of one robot. */
   private labels(): string[] {
-    const isOne = new Set(this.series.map(({ robot }) => robot)).size === 1;
+    const isOne = new Set(this.series.map(({ thing }) => thing)).size === 1;
     return this.series.map(({ label, value }) => (isOne && this.series.length > 2 ? value.name : label));
   }
 

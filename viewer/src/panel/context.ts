@@ -4,21 +4,16 @@ import type { Vector } from '../protocol/scene';
 import type { State } from '../state';
 import type { CameraMode, Hit, View } from '../view/view';
 import { find } from './dom';
-import type { Hands, Thing } from './hands';
+import { type Hands, OBJECTS, type Thing } from './hands';
 import { type Item, showMenu } from './menu';
-
-/** Objects that are put on the floor: the server's classes, and their heights, m. */
-const OBJECTS = [
-  { name: 'a crate', objectClass: 'WCCrate', height: 0.5 },
-  { name: 'a blue crate', objectClass: 'WCCrateBlue', height: 0.5 },
-  { name: 'a pallet', objectClass: 'WCPallet', height: 0.144 },
-] as const;
 
 /** Uses of the menu's items. */
 interface Uses {
   choose(thing: Thing): void;
   look(mode: CameraMode): void;
   spawnAt(place: Vector): void;
+  /** Spawns another robot of the chosen one's class beside it. */
+  copyRobot(): void;
   /** Removes what is chosen. */
   remove(): void;
 }
@@ -69,11 +64,14 @@ export class ContextMenu {
       { name: 'Follow it', run: () => this.uses.look('follow') },
       { name: 'Look from here', run: () => this.uses.look('robot') },
       { name: 'Show it as large as there is room', run: () => this.view.fit(this.state.selected) },
+      ...(this.hands.mayAct ? [{ name: 'Copy', run: () => this.uses.copyRobot() }] : []),
     ];
   }
 
   private ofObject(object: number): Item[] {
-    return [{ name: 'Look at it', run: () => this.view.lookAtObject(object) }];
+    const copy = { name: 'Copy', run: () => this.hands.copy(object) };
+    const copies = this.hands.mayAct && this.hands.canCopy(object) ? [copy] : [];
+    return [{ name: 'Look at it', run: () => this.view.lookAtObject(object) }, ...copies];
   }
 
   private ofFloor(place: Vector): Item[] {

@@ -6,6 +6,15 @@ import type { State } from '../state';
 import { ownPoint } from '../view/pose';
 import { spawnPlace } from './spawn';
 
+/** Objects that are put on the floor: the server's classes, with lengths and heights, m. */
+export const OBJECTS = [
+  { name: 'a crate', objectClass: 'WCCrate', length: 0.5, height: 0.5 },
+  { name: 'a blue crate', objectClass: 'WCCrateBlue', length: 0.5, height: 0.5 },
+  { name: 'a pallet', objectClass: 'WCPallet', length: 1.2, height: 0.144 },
+] as const;
+/** Room between an object and its copy, m. */
+const ROOM = 0.1;
+
 /** Robot or object that somebody takes. */
 export type Thing = { robot: number } | { object: number };
 
@@ -98,6 +107,24 @@ export class Hands {
     const what = `{ClassName ${objectClass}} {Name ${objectClass}-${count}}`;
     const where = `{Location ${numbers(spawnPlace([x, y, z - height / 2]))}}`;
     this.send(`CONTROL {Type Create} ${what} ${where} {Physics RigidBody} {Permanent true}`);
+  }
+
+  /** True if another object like this one can be put: it has the name of its class, as those that the menu puts. */
+  canCopy(object: number): boolean {
+    return this.kindOf(object) !== undefined;
+  }
+
+  /** Puts an object of the same class beside an object. */
+  copy(object: number): void {
+    const [kind, pose] = [this.kindOf(object), this.state.objectPose(object)];
+    if (!kind || !pose) return;
+    const [x, y, z] = pose;
+    this.put(kind.objectClass, kind.height, [x + kind.length + ROOM, y, z + kind.height / 2]);
+  }
+
+  private kindOf(object: number): (typeof OBJECTS)[number] | undefined {
+    const [objectClass] = (this.state.object(object)?.name ?? '').split('-');
+    return OBJECTS.find((kind) => kind.objectClass === objectClass);
   }
 
   /** Removes an object. */

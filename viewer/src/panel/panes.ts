@@ -51,31 +51,41 @@ export function buildSheets(
   return show;
 }
 
+/** Screens on which plots stand beside the view, as style.css has it. */
+export const WIDE = matchMedia('(min-width: 1700px)');
+
 /** Edges of panels that can be dragged, or moved by arrow keys; sizes stay from visit to visit. */
 export function buildSplitters(): void {
   for (const splitter of document.querySelectorAll<HTMLElement>('.splitter')) {
     const pane = find(splitter.dataset.resizes ?? '');
-    const edge = splitter.dataset.edge ?? 'right';
-    const vertical = edge === 'top';
+    const isBelow = splitter.dataset.edge === 'top';
+    const edge = () => (isBelow && WIDE.matches ? 'left' : (splitter.dataset.edge ?? 'right'));
+    // What stands below on one screen and beside on another has a height and a width.
+    const property = () => (isBelow && WIDE.matches ? '--wide' : '--size');
+    const key = () => `${property() === '--wide' ? 'width' : 'size'}.${pane.id}`;
     const resize = (size: number) => {
       const fitting = Math.round(Math.max(SIZES.least, Math.min(SIZES.most, size)));
-      pane.style.setProperty('--size', `${fitting}px`);
+      pane.style.setProperty(property(), `${fitting}px`);
       splitter.setAttribute('aria-valuenow', String(fitting));
-      remember(`size.${pane.id}`, String(fitting));
+      remember(key(), String(fitting));
     };
-    const size = () => (vertical ? pane.offsetHeight : pane.offsetWidth);
-    const attributes = {
-      role: 'separator',
-      tabindex: '0',
-      'aria-orientation': vertical ? 'horizontal' : 'vertical',
-      'aria-label': `Size of ${pane.getAttribute('aria-label')}`,
-      'aria-valuemin': String(SIZES.least),
-      'aria-valuemax': String(SIZES.most),
-      'aria-valuenow': String(remembered(`size.${pane.id}`) ?? 260),
+    const size = () => (edge() === 'top' ? pane.offsetHeight : pane.offsetWidth);
+    const describe = () => {
+      const kept = Number(remembered(key()));
+      const attributes = {
+        role: 'separator',
+        tabindex: '0',
+        'aria-orientation': edge() === 'top' ? 'horizontal' : 'vertical',
+        'aria-label': `Size of ${pane.getAttribute('aria-label')}`,
+        'aria-valuemin': String(SIZES.least),
+        'aria-valuemax': String(SIZES.most),
+        'aria-valuenow': String(kept || 260),
+      };
+      Object.entries(attributes).forEach(([name, value]) => splitter.setAttribute(name, value));
+      if (kept > 0) resize(kept);
     };
-    Object.entries(attributes).forEach(([name, value]) => splitter.setAttribute(name, value));
-    const kept = Number(remembered(`size.${pane.id}`));
-    if (kept > 0) resize(kept);
+    describe();
+    WIDE.addEventListener('change', describe);
     splitter.onpointerdown = (event) => {
       splitter.setPointerCapture(event.pointerId);
       event.preventDefault();
@@ -83,16 +93,24 @@ export function buildSplitters(): void {
     splitter.onpointermove = (event) => {
       if (!splitter.hasPointerCapture(event.pointerId)) return;
       const { left, right, bottom } = pane.getBoundingClientRect();
-      resize(
-        edge === 'right' ? event.clientX - left : edge === 'left' ? right - event.clientX : bottom - event.clientY,
-      );
+      const { clientX: x, clientY: y } = event;
+      resize(edge() === 'right' ? x - left : edge() === 'left' ? right - x : bottom - y);
     };
     splitter.onkeydown = (event) => {
-      const grows = edge === 'right' ? 'ArrowRight' : edge === 'left' ? 'ArrowLeft' : 'ArrowUp';
-      const shrinks = edge === 'right' ? 'ArrowLeft' : edge === 'left' ? 'ArrowRight' : 'ArrowDown';
+      const grows = edge() === 'right' ? 'ArrowRight' : edge() === 'left' ? 'ArrowLeft' : 'ArrowUp';
+      const shrinks = edge() === 'right' ? 'ArrowLeft' : edge() === 'left' ? 'ArrowRight' : 'ArrowDown';
       if (event.key !== grows && event.key !== shrinks) return;
       event.preventDefault();
       resize(size() + (event.key === grows ? SIZES.step : -SIZES.step));
     };
   }
+}
+
+/** In a frame of another page, as in a notebook, the view has the room until the panels are wanted. */
+export function buildFrame(): void {
+  const { documentElement: page } = document;
+  page.toggleAttribute('data-framed', window.self !== window.top);
+  find('panels').onclick = () => {
+    find('panels').setAttribute('aria-pressed', String(page.toggleAttribute('data-panels')));
+  };
 }

@@ -1,8 +1,7 @@
 /** The tree of what is in the world, with the values of robots; a click on a value plots it. */
 
-import { rollPitchYaw } from '../protocol/frame';
 import type { State } from '../state';
-import { DEGREES, type Group, type Value, valuesOf } from '../values';
+import { type Group, POSE, type PoseValue, type Value, valuesOf } from '../values';
 import type { Vector } from '../protocol/scene';
 import { find, fixed, make, remember, remembered, setText } from './dom';
 import type { Pictures } from './pictures';
@@ -17,13 +16,17 @@ export interface WorldActions {
   lookAt: (place: Vector) => void;
   isPlotted: (robot: number, key: string) => boolean;
   plot: (robot: number, value: Value) => void;
+  isPlottedOfObject: (object: number, key: string) => boolean;
+  plotOfObject: (object: number, value: PoseValue) => void;
   /** Other robots show their values than before. */
   expanded: (robots: number[]) => void;
 }
 
+/** A value in the tree, with the number that it has now and whether it is plotted. */
 interface Cell {
-  robot: number;
-  value: Value;
+  value: Omit<Value, 'read'>;
+  now: () => number | null;
+  isPlotted: () => boolean;
   output: HTMLElement;
   button: HTMLElement;
 }
@@ -39,8 +42,6 @@ export class WorldPanel {
     ['Velocity', true],
   ]);
   private cells: Cell[] = [];
-  /** Place in the tree for the chosen object's pose. */
-  private place: { number: number; output: HTMLElement } | null = null;
   private shown = '';
 
   constructor(
@@ -72,22 +73,12 @@ export class WorldPanel {
   updateValues(): void {
     // A sensor that speaks for the first time has new rows.
     if (this.signature() !== this.shown) return this.update();
-    for (const { robot, value, output, button } of this.cells) {
-      const robotState = this.state.robotState(robot);
-      const number = robotState && value.read(robotState, this.state.sensorsOf(robot));
+    for (const { value, now, isPlotted, output, button } of this.cells) {
+      const number = now();
       setText(output, number === null ? '–' : fixed(number, value.digits));
-      button.setAttribute('aria-pressed', String(this.actions.isPlotted(robot, value.key)));
+      button.setAttribute('aria-pressed', String(isPlotted()));
     }
-    if (this.place) this.writePlace(this.place);
     this.pictures.update();
-  }
-
-  private writePlace({ number, output }: NonNullable<typeof this.place>): void {
-    const pose = this.state.objectPose(number);
-    if (!pose) return setText(output, 'not there');
-    const [x, y, z] = pose.map((part) => fixed(part, 3));
-    const degrees = rollPitchYaw(pose).map((angle) => fixed(DEGREES * angle, 1));
-    setText(output, `x ${x}  y ${y}  z ${z} m\nroll ${degrees[0]}°  pitch ${degrees[1]}°  yaw ${degrees[2]}°`);
   }
 
   private isOpen(robot: number): boolean {
@@ -130,7 +121,6 @@ export class WorldPanel {
       document.activeElement?.getAttribute(name),
     );
     this.cells = [];
-    this.place = null;
     const sorted = robots.map(({ id }) => ({ id, name: this.state.nameOf(id) }));
     sorted.sort((one, other) => BY_NAME.compare(one.name, other.name) || one.id - other.id);
     this.robots.replaceChildren(...sorted.map(({ id }) => this.robot(id)));
@@ -147,7 +137,7 @@ export class WorldPanel {
       const pressed = String(isChosen);
       const button = make('button', { class: 'leaf', 'data-object': String(number), 'aria-pressed': pressed }, name);
       button.onclick = () => this.actions.chooseObject(number);
-      return make('li', {}, button, ...(isChosen ? [this.objectFacts(number)] : []));
+      return make('li', {}, button, ...(isChosen ? [this.objectGroup(number)] : []));
     });
     const clients = (status?.clients ?? []).map(({ connection, peer, dropped }) => {
       const names = robots.filter((robot) => robot.connection === connection).map(({ id }) => this.state.nameOf(id));
@@ -216,14 +206,17 @@ export class WorldPanel {
     return item;
   }
 
-  /** Returns the chosen object's facts and its pose, which is written again and again. */
-  private objectFacts(number: number): HTMLElement {
-    const { mass, material, friction } = this.state.object(number) ?? {};
-    const facts = [
-      `${mass === undefined ? '' : `${Number(mass.toPrecision(3))} kg, `}${material}, friction ${friction}`,
-    ];
-    this.place = { number, output: make('output', { 'data-place': '' }) };
-    return make('div', { class: 'facts' }, ...facts, make('br', {}), this.place.output);
+  /** Returns the chosen object's pose, whose numbers can be plotted. */
+  private objectGroup(object: number): HTMLElement {
+    const rows = POSE.map((value) => {
+      const now = () => {
+        const pose = this.state.objectPose(object);
+        return pose && value.read({ pose });
+      };
+      const isPlotted = () => this.actions.isPlottedOfObject(object, value.key);
+      return this.cell(value, 'data-object-value', now, isPlotted, () => this.actions.plotOfObject(object, value));
+    });
+    return make('div', { class: 'group' }, ...rows);
   }
 
   private group(robot: number, { name, values }: Group): HTMLElement {
@@ -231,22 +224,38 @@ export class WorldPanel {
     details.open = this.openGroups.get(name) ?? false;
     details.ontoggle = () => this.openGroups.set(name, details.open);
     for (const value of values) {
-      const output = make('output', { 'data-value': value.key });
-      const button = make(
-        'button',
-        { class: 'value', 'aria-pressed': 'false', title: `Plot ${value.name}` },
-        make('span', {}, value.name),
-        output,
-        make('small', {}, value.unit),
-      );
-      button.onclick = () => {
-        this.actions.plot(robot, value);
-        this.updateValues();
+      const now = () => {
+        const robotState = this.state.robotState(robot);
+        return robotState && value.read(robotState, this.state.sensorsOf(robot));
       };
-      details.append(button);
-      this.cells.push({ robot, value, output, button });
+      const isPlotted = () => this.actions.isPlotted(robot, value.key);
+      details.append(this.cell(value, 'data-value', now, isPlotted, () => this.actions.plot(robot, value)));
     }
     return details;
+  }
+
+  /** Returns the row of a value; a click plots it. */
+  private cell(
+    value: Cell['value'],
+    attribute: string,
+    now: Cell['now'],
+    isPlotted: Cell['isPlotted'],
+    plot: () => void,
+  ): HTMLElement {
+    const output = make('output', { [attribute]: value.key });
+    const button = make(
+      'button',
+      { class: 'value', 'aria-pressed': 'false', title: `Plot ${value.name}` },
+      make('span', {}, value.name),
+      output,
+      make('small', {}, value.unit),
+    );
+    button.onclick = () => {
+      plot();
+      this.updateValues();
+    };
+    this.cells.push({ value, now, isPlotted, output, button });
+    return button;
   }
 }
 

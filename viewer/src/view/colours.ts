@@ -110,9 +110,9 @@ export function teamColour(name: string, index: number): string {
   return NAMED[name.toLowerCase()] ?? colourAt(index);
 }
 
-/** Returns the colours of a chart's curves: a robot's first curve has the colour of the robot, every other one a free colour. */
-export function curveColours(curves: { robot: number; colour: string }[]): string[] {
-  const isFirst = curves.map(({ robot }, index) => curves.findIndex((curve) => curve.robot === robot) === index);
+/** Returns the colours of a chart's curves: a thing's first curve has the colour of the thing, every other one a free colour. */
+export function curveColours(curves: { thing: string; colour: string }[]): string[] {
+  const isFirst = curves.map(({ thing }, index) => curves.findIndex((curve) => curve.thing === thing) === index);
   const taken = new Set(curves.filter((_, index) => isFirst[index]).map(({ colour }) => colour));
   const free = COLOURS.filter((colour) => !taken.has(colour));
   let next = 0;
