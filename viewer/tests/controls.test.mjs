@@ -231,3 +231,23 @@ pageTest('a message that comes again is counted', rough, async ({ page }) => {
   await page.waitForSelector('#toasts :text-is("again (3 times)")');
   assert.deepEqual(await page.locator('#toasts p').allTextContents(), ['again (3 times)', 'another']);
 });
+
+pageTest('the keys drive all own robots together once that is chosen', rough, async ({ page }) => {
+  const lines = drives(page);
+  await spawnRobot(page, { robotClass: 'P3AT' });
+  assert.deepEqual(await page.locator('select[name=own] option').allTextContents(), ['Robot1']);
+  await spawnRobot(page, { robotClass: 'P3AT', start: 'RobotStart1' });
+  await page.waitForSelector('[data-robot="1"]');
+  await page.selectOption('select[name=own]', 'all together');
+  await page.focus('#canvas');
+  const full = () => lines.filter((line) => line === 'DRIVE {Normalized true} {Left 40.0} {Right 40.0}').length;
+  await page.keyboard.down('w');
+  await reported(lines, lines.length + 2);
+  await page.keyboard.up('w');
+  assert.equal(full(), 2, lines.join('; '));
+  // The other choice leaves the second one alone again.
+  await page.selectOption('select[name=own]', 'Robot1');
+  await page.focus('#canvas');
+  await drive(page, 'w');
+  assert.equal(full(), 3, lines.join('; '));
+});

@@ -76,6 +76,18 @@ pageTest('a scenario is begun, driven to its goal, and its best run kept', { ser
   const [best, poses] = [Number(kept[0]), JSON.parse(kept[1])];
   // A pose for each fifth of a second, from the start to the goal.
   assert.ok(Math.abs(poses.length - best / 0.2) < 8 && poses[0][0] < 0.1 && poses.at(-1)[0] > 0.9, kept.join());
+  // Another scenario does not get its time.
+  await page.click('#mission-others');
+  await page.click('[data-scenario=slalom]');
+  await page.click('#door-start');
+  await page.waitForSelector('#mission:has-text("slalom"):not(.finished)');
+  await page.waitForSelector('[data-robot]:has-text("YouBot")', { state: 'attached' });
+  assert.equal(await page.evaluate(() => localStorage['usarsim.best.slalom']), undefined);
+  await page.click('#mission-others');
+  await page.click('[data-scenario=ahead]');
+  await page.click('#door-start');
+  await page.waitForSelector('#mission:has-text("Ahead")');
+  await page.waitForSelector('[data-robot]:has-text("P3AT")', { state: 'attached' });
   await page.click('#mission-again');
   await page.waitForSelector('#mission:not(.finished)');
   await page.waitForFunction(() => document.querySelector('#mission .result').textContent.includes('Your best is'));

@@ -555,7 +555,7 @@ fn gripper<'a>(def: &'a RobotDef, gripper: &'a scene::Gripper) -> Gripper<'a> {
     let carrier = gripper.links.first().and_then(|&link| def.parent_of(link)).unwrap_or(0);
     let solids: Vec<_> = fingers().flat_map(|link| &link.solids).map(|solid| Vector3::from(solid.position)).collect();
     let middle = solids.iter().sum::<Vector3<f64>>() / solids.len().max(1) as f64;
-    let middle = (middle - Vector3::from(def.links[carrier].origin())).into();
+    let middle = (middle - Vector3::from(def.links.get(carrier).map_or([0.0; 3], scene::Link::origin))).into();
     let (open, closed) = (&gripper.open, &gripper.closed);
     Gripper { name: &gripper.name, joints, open, closed, link: link_number(def, carrier), middle }
 }

@@ -34,6 +34,9 @@ export const DRIVING_KEYS = [
   { keys: ['R', 'F'], what: 'up and down' },
 ];
 
+/** Choice of all own robots at once. */
+const TOGETHER = 'all together';
+
 /** A robot that was spawned by this page. */
 interface Own {
   client: Client;
@@ -57,6 +60,8 @@ export class DrivePanel {
   private readonly pressed = new Set<string>();
   private readonly sticks: { move: Stick; turn: Stick };
   private driven: Own | null = null;
+  /** True if keys and sticks drive all own robots. */
+  private isTogether = false;
   private padWasUsed = false;
   /** True if the last command was not to stand. */
   private wasTouched = false;
@@ -81,7 +86,8 @@ export class DrivePanel {
     const remove = make('button', { type: 'button', id: 'remove' }, 'Remove');
     remove.onclick = () => this.driven && this.remove(this.driven, 'was removed');
     this.own.onchange = () => {
-      this.drive(this.robots[this.own.selectedIndex] ?? null);
+      const { selectedIndex } = this.own;
+      this.drive(this.robots[selectedIndex] ?? this.robots[0] ?? null, selectedIndex === this.robots.length);
       const driven = this.state.status?.robots.find(({ connection }) => connection === this.driven?.connection);
       if (driven) this.select(driven.id, false);
     };
@@ -249,9 +255,10 @@ export class DrivePanel {
     return true;
   }
 
-  private drive(own: Own | null): void {
+  private drive(own: Own | null, isTogether = false): void {
     this.release();
     this.driven = own;
+    this.isTogether = isTogether;
     this.state.hasRobot = own !== null;
     this.driving.hidden = own === null;
     find('sticks').hidden = !this.state.driving;
@@ -281,8 +288,13 @@ export class DrivePanel {
   }
 
   private list(): void {
-    this.own.replaceChildren(...this.robots.map(({ client }) => make('option', {}, client.spawn.name)));
-    this.own.selectedIndex = this.driven ? this.robots.indexOf(this.driven) : -1;
+    const names = this.robots.map(({ client }) => client.spawn.name);
+    this.isTogether &&= names.length > 1;
+    this.own.replaceChildren(
+      ...[...names, ...(names.length > 1 ? [TOGETHER] : [])].map((it) => make('option', {}, it)),
+    );
+    const index = this.driven ? this.robots.indexOf(this.driven) : -1;
+    this.own.selectedIndex = this.isTogether ? names.length : index;
   }
 
   private key(event: KeyboardEvent, down: boolean): void {
@@ -331,12 +343,15 @@ export class DrivePanel {
     if (this.state.isProgrammed && isLeft) return;
     const part = Number(this.speed.value) / 100;
     const limited = (value: number) => part * Math.max(-1, Math.min(1, value));
-    this.driven?.client.drive({
-      forward: limited(twist.forward),
-      right: limited(twist.right),
-      clockwise: limited(twist.clockwise),
-      up: limited(twist.up),
-    });
+    const driven = this.isTogether ? this.robots : [this.driven];
+    driven.forEach((own) =>
+      own?.client.drive({
+        forward: limited(twist.forward),
+        right: limited(twist.right),
+        clockwise: limited(twist.clockwise),
+        up: limited(twist.up),
+      }),
+    );
   }
 }
 

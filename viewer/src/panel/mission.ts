@@ -29,8 +29,10 @@ export class Mission {
   private readonly again = make('button', { id: 'mission-again' }, 'Again');
   private readonly others = make('button', { id: 'mission-others' }, 'Other scenarios');
   private shown: Scenario | null = null;
-  /** Number of the world whose end has been counted. */
-  private counted = -1;
+  /** World whose end has been counted; the world of the last status; and the one before the scenario, whose end is another's. */
+  private counted = '';
+  private last = '';
+  private before = '';
   private line = '';
   /** Number of goals that are reached. */
   private reached = 0;
@@ -51,11 +53,14 @@ export class Mission {
     const { scene, status, isPresent } = this.state;
     const scenario = isPresent ? (scene?.scenario ?? null) : null;
     this.element.hidden = !scenario || !status;
+    const world = status ? `${status.scene}/${status.resets}` : '';
+    // A scenario comes before the first status of its world.
+    if (scenario && status && scenario !== this.shown) this.build(scenario);
+    this.last = world;
     if (!scenario || !status) return;
-    if (scenario !== this.shown) this.build(scenario);
     const [team] = status.league?.teams ?? [];
     const timeLeft = status.league?.time_left ?? scenario.time_limit;
-    const finished = team?.finished ?? null;
+    const finished = world === this.before ? null : (team?.finished ?? null);
     setText(this.clock, clockText(finished ?? scenario.time_limit - timeLeft));
     const reached = new Set(team?.reached ?? []);
     if (reached.size !== this.reached) this.wishes.reached([...reached]);
@@ -66,8 +71,8 @@ export class Mission {
     this.enter.hidden = status.robots.length > 0;
     this.again.hidden = status.league?.has_begun !== true;
     this.again.classList.toggle('main', finished !== null || status.league?.is_over === true);
-    if (finished !== null && this.counted !== status.resets) {
-      this.counted = status.resets;
+    if (finished !== null && this.counted !== world) {
+      this.counted = world;
       this.line = `${starText(starsFor(scenario, finished))} in ${clockText(finished)}.${this.keep(scenario, finished)}`;
     }
     setText(this.result, finished !== null ? this.line : status.league?.is_over ? 'The time is up.' : ready(scenario));
@@ -95,8 +100,9 @@ export class Mission {
   }
 
   private build(scenario: Scenario): void {
+    if (scenario.name !== this.shown?.name) this.before = this.last;
     this.shown = scenario;
-    this.counted = -1;
+    this.counted = '';
     this.reached = 0;
     [this.run, this.best] = [new Run(), Run.best(scenario.name)];
     const goal = (name: string) => make('li', { 'data-goal': name }, name.replaceAll('-', ' '));
