@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { setTimeout } from 'node:timers/promises';
 import { X, Y, pageTest, spawnRobot } from './pagetest.mjs';
-import { connectClient, number, waitForNumber } from './server.mjs';
+import { connectClient, number, until, waitForNumber } from './server.mjs';
 
 const rough = { serve: ['--map', 'rough'] };
 const TARGET = '[data-value=target0]';
@@ -242,12 +242,14 @@ pageTest('the keys drive all own robots together once that is chosen', rough, as
   await page.focus('#canvas');
   const full = () => lines.filter((line) => line === 'DRIVE {Normalized true} {Left 40.0} {Right 40.0}').length;
   await page.keyboard.down('w');
-  await reported(lines, lines.length + 2);
+  await until(() => full() === 2, 'both drive');
   await page.keyboard.up('w');
-  assert.equal(full(), 2, lines.join('; '));
   // The other choice leaves the second one alone again.
   await page.selectOption('select[name=own]', 'Robot1');
   await page.focus('#canvas');
-  await drive(page, 'w');
+  await page.keyboard.down('w');
+  await until(() => full() === 3, 'one drives');
+  await page.keyboard.up('w');
+  await reported(lines, lines.length + 1);
   assert.equal(full(), 3, lines.join('; '));
 });
