@@ -62,6 +62,13 @@ pageTest('a program that only computes is stopped, and the page goes on', {}, as
     () => Math.abs(Number(document.querySelector('[data-value=forward]')?.textContent)) < 0.01,
   );
   assert.ok((await number(page, '[data-value=x]')) > 0.5);
+  // One that gives orders without an end keeps the page free, too.
+  await run(page, 'robot = await take()\nfor i in range(2000):\n  await robot.stop()\nprint(await now())', {
+    fast: false,
+  });
+  const before = await number(page, '#time');
+  await ends(page, 'ended', 'Done');
+  assert.ok(Number((await printed(page))[0]) > before + 0.5);
   await run(page, 'while True:\n  await wait(0.1)', { fast: false });
   await page.waitForSelector('.numbers .lit:nth-child(2)');
   await page.click('#end-program');
@@ -84,6 +91,6 @@ pageTest('each example does what it says', { serve: ['--map', 'hall'] }, async (
     if (!example.includes('cube')) await page.click('#reset');
   }
   await page.click('[data-object]:text-is("cube")');
-  const height = async () => -(await page.textContent('[data-place]')).match(/-?\d+\.\d+/g)[2];
+  const height = async () => -((await page.textContent('[data-place]')).match(/-?\d+\.\d+/g)?.[2] ?? 0);
   await until(async () => (await height()) > 0.15, 'the cube is lifted');
 });

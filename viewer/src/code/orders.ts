@@ -27,6 +27,8 @@ const STILL = { rad: 0.02, m: 0.0005 };
 const STANDS = 0.3;
 /** Least time between two lines, real ms. */
 const LINE_INTERVAL = 20;
+/** Orders between two frames, after which a program waits for the next: it would keep the page busy. */
+const MOST_ORDERS = 50;
 /** The gripper must come so near, m. */
 const REACHED = 0.01;
 
@@ -35,6 +37,7 @@ type Condition = (frame: Frame) => object | null;
 
 export class Orders {
   private frame: Frame | null = null;
+  private orders = 0;
   private waiting: { condition: Condition; resolve: (value: object) => void }[] = [];
   /** Robots that have been driven. */
   private readonly used = new Set<string>();
@@ -47,6 +50,7 @@ export class Orders {
   /** Takes the newest frame of the server's world. */
   takeFrame(frame: Frame): void {
     this.frame = frame;
+    this.orders = 0;
     this.waiting = this.waiting.filter(({ condition, resolve }) => {
       const value = condition(frame);
       if (value) resolve(value);
@@ -63,6 +67,7 @@ export class Orders {
 
   /** Does an order, and returns what the program gets for it. Fails with a text for people. */
   async do(name: string, values: unknown[]): Promise<unknown> {
+    if (++this.orders > MOST_ORDERS) await this.until(() => ({}));
     const [first, ...rest] = values;
     switch (name) {
       case 'take':

@@ -3,7 +3,7 @@
 import { type Frame, type Scan, isHit } from '../protocol/frame';
 import type { State } from '../state';
 import { type PoseValue, type Value, valuesOf } from '../values';
-import { type Axis, Plane } from './against';
+import { type Axis, Plane } from './plane';
 import { Chart, type Series } from './chart';
 import { find, make, save, setText } from './dom';
 

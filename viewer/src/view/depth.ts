@@ -4,7 +4,7 @@ import * as THREE from 'three';
 
 /** Least distances between which colours differ, m. */
 const LEAST = [0.3, 8] as const;
-/** The same as parts of the camera's distance from what it looks at. */
+/** Parts of the camera's distance from what it looks at, within which colours differ. */
 const PARTS = [0.4, 2.5] as const;
 /** Colours at equal steps from near to far. */
 export const DEPTH_COLOURS = ['#b3161b', '#ee7d2b', '#f4dd4b', '#5cc46a', '#2c8fc4', '#3c3f9e', '#1d1238'] as const;
