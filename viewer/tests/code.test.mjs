@@ -75,6 +75,29 @@ pageTest('a program that only computes is stopped, and the page goes on', {}, as
   await ends(page, 'ended', 'Stopped');
 });
 
+pageTest(
+  'a program ends when its robot leaves or its world begins anew, and the page goes on',
+  {},
+  async ({ page }) => {
+    const waits =
+      'robot = await take("YouBotArm")\nawait robot.grip()\nwhile True:\n  await robot.move(ArmJoint1=2.9)\n  await robot.move(ArmJoint1=-2.9)';
+    await run(page, waits, { fast: false });
+    await page.waitForSelector('.numbers .lit:nth-child(4)');
+    await page.click('[data-tab=drive]');
+    await page.click('#remove');
+    await page.waitForSelector('[data-program=failed]', { state: 'attached' });
+    assert.match(
+      await page.textContent('[data-program]'),
+      /^line [45]: RuntimeError: the robot Robot1 of this page is not/,
+    );
+    await run(page, 'await wait(1000)', { fast: false });
+    await page.waitForSelector('.numbers .lit');
+    await page.click('#reset');
+    await ends(page, 'failed', 'The world began anew');
+    await page.waitForFunction(() => Number.parseFloat(document.querySelector('#time').textContent) > 1);
+  },
+);
+
 pageTest('each example does what it says', { serve: ['--map', 'hall'] }, async ({ page }) => {
   await run(page, '');
   await ends(page, 'ended', 'Done');

@@ -38,7 +38,7 @@ type Condition = (frame: Frame) => object | null;
 export class Orders {
   private frame: Frame | null = null;
   private orders = 0;
-  private waiting: { condition: Condition; resolve: (value: object) => void }[] = [];
+  private waiting: { condition: Condition; resolve: (value: object) => void; reject: (error: unknown) => void }[] = [];
   /** Robots that have been driven. */
   private readonly used = new Set<string>();
 
@@ -51,17 +51,32 @@ export class Orders {
   takeFrame(frame: Frame): void {
     this.frame = frame;
     this.orders = 0;
-    this.waiting = this.waiting.filter(({ condition, resolve }) => {
-      const value = condition(frame);
-      if (value) resolve(value);
-      return !value;
+    this.waiting = this.waiting.filter(({ condition, resolve, reject }) => {
+      try {
+        const value = condition(frame);
+        if (value) resolve(value);
+        return !value;
+      } catch (error) {
+        // The robot has left.
+        reject(error);
+        return false;
+      }
     });
+  }
+
+  /** True if a frame is of a world that began anew. */
+  isAnew(frame: Frame): boolean {
+    return frame.time < this.now;
   }
 
   /** Forgets what is waited for, and stops the robots that were driven. */
   end(): void {
     this.waiting = [];
-    for (const name of this.used) this.robots.clientOf(name)?.drive({ forward: 0, right: 0, clockwise: 0, up: 0 });
+    for (const name of this.used) {
+      const client = this.robots.clientOf(name);
+      client?.drive({ forward: 0, right: 0, clockwise: 0, up: 0 });
+      client?.heard.clear();
+    }
     this.used.clear();
   }
 
@@ -100,8 +115,8 @@ export class Orders {
   }
 
   private until<T extends object>(condition: (frame: Frame) => T | null): Promise<T> {
-    return new Promise((resolve) => {
-      this.waiting.push({ condition, resolve: resolve as (value: object) => void });
+    return new Promise((resolve, reject) => {
+      this.waiting.push({ condition, resolve: resolve as (value: object) => void, reject });
     });
   }
 
@@ -158,10 +173,12 @@ export class Orders {
 
   private async read(name: string, sensor: string): Promise<object> {
     const client = this.client(name);
+    this.used.add(name);
     let reading: object | null = null;
-    client.heard = (line) => (reading ??= readingIn(line, sensor));
+    const hear = (line: string) => void (reading ??= readingIn(line, sensor));
+    client.heard.add(hear);
     const found = await this.within(PATIENCE.sensor, () => reading);
-    client.heard = null;
+    client.heard.delete(hear);
     if (found) return found;
     const names = client.robot.sensors.map((sensor) => sensor.name).join(', ');
     throw new Error(`nothing of "${sensor}" came in ${PATIENCE.sensor} s. Sensors of ${name}: ${names || 'none'}`);

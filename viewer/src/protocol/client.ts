@@ -34,8 +34,8 @@ export function initLine({ robotClass, name, place, team }: Spawn): string {
 const INTERVAL = 50;
 
 export class Client {
-  /** Hears each line that comes. */
-  heard: ((line: string) => void) | null = null;
+  /** Hear each line that comes. */
+  readonly heard = new Set<(line: string) => void>();
   private readonly connection: Connection;
   private isEnded = false;
   private readonly decoder = new TextDecoder();
@@ -93,7 +93,7 @@ export class Client {
   }
 
   private receive(line: string): void {
-    this.heard?.(line);
+    this.heard.forEach((hear) => hear(line));
     if (!this.isGreeted && line.startsWith('NFO {Gametype')) {
       this.isGreeted = true;
       this.init();
