@@ -570,9 +570,9 @@ fn ask(server: &Server, head: &str, body: &[u8]) -> (String, String) {
 
 /// Browsers take packed bodies.
 #[test]
-fn the_scene_and_classes_are_packed_for_those_who_can_unpack_them() {
+fn the_page_its_scene_and_classes_are_packed_for_those_who_can_unpack_them() {
     let server = serve("rough", |_| {});
-    for path in ["/scene.json", "/scene.json", "/class/KUKA_YouBot", "/class/KUKA_YouBot"] {
+    for path in ["/scene.json", "/scene.json", "/class/KUKA_YouBot", "/class/KUKA_YouBot", "/", "/"] {
         let (_, whole) = get(&server, path, "Host: localhost\r\n");
         let head =
             format!("GET {path} HTTP/1.1\r\nConnection: close\r\nHost: localhost\r\nAccept-Encoding: br, gzip\r\n\r\n");
@@ -586,7 +586,9 @@ fn the_scene_and_classes_are_packed_for_those_who_can_unpack_them() {
         let mut text = String::new();
         flate2::read::GzDecoder::new(packed).read_to_string(&mut text).unwrap();
         assert!(text == whole);
-        assert!(2 * packed.len() < whole.len(), "{} of {} bytes", packed.len(), whole.len());
+        // Without Node.js the page is a few lines.
+        let most = if path == "/" { whole.len() } else { whole.len() / 2 };
+        assert!(packed.len() < most, "{path}: {} of {} bytes", packed.len(), whole.len());
     }
 }
 

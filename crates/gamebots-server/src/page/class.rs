@@ -6,6 +6,7 @@ use std::sync::Arc;
 use axum::body::Bytes;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
+use flate2::Compression;
 use gamebots_proto::shown;
 use names::listed;
 use page_protocol::class_json;
@@ -59,6 +60,6 @@ fn make(classes: &Classes, name: &str) -> Made {
     let class =
         classes.get(name).ok_or_else(|| classes.problem(name).unwrap_or("there is no such class").to_owned())?;
     let body = Bytes::from(class_json(class));
-    let packed = pack(&body);
+    let packed = pack(&body, Compression::fast());
     Ok((body, packed))
 }

@@ -21,7 +21,7 @@ impl Packed {
             return Some(packed.clone());
         }
         let given = body.clone();
-        let packed = spawn_blocking(move || pack(&given)).await.ok().flatten()?;
+        let packed = spawn_blocking(move || pack(&given, Compression::fast())).await.ok().flatten()?;
         *known = Some((body, packed.clone()));
         Some(packed)
     }
@@ -46,13 +46,15 @@ pub(crate) fn json(body: Bytes) -> Response {
     ([(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-store")], body).into_response()
 }
 
-pub(crate) fn pack(body: &[u8]) -> Option<Bytes> {
-    let mut packer = GzEncoder::new(Vec::new(), Compression::fast());
+/// Returns a body in its packed form: fast for what changes, well for what stays.
+pub(crate) fn pack(body: &[u8], how: Compression) -> Option<Bytes> {
+    let mut packer = GzEncoder::new(Vec::new(), how);
     packer.write_all(body).ok()?;
     packer.finish().ok().map(Bytes::from)
 }
 
-fn takes_gzip(headers: &HeaderMap) -> bool {
+/// True if a client takes packed answers.
+pub(crate) fn takes_gzip(headers: &HeaderMap) -> bool {
     let kinds = headers.get(header::ACCEPT_ENCODING).and_then(|value| value.to_str().ok()).unwrap_or_default();
     kinds.split(',').any(|kind| kind.trim().eq_ignore_ascii_case("gzip"))
 }

@@ -27,7 +27,7 @@ pub(crate) async fn root(
 ) -> Response {
     match socket {
         Ok(socket) => upgrade(site, visit, peer, headers, uri, socket).await,
-        Err(_) => file::file(uri).await,
+        Err(_) => file::file(uri, headers).await,
     }
 }
 
