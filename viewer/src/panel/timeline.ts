@@ -3,6 +3,9 @@
 import type { Late, Mark } from '../marks';
 import { find, make, setText } from './dom';
 
+/** Times that are nearer are one, s. */
+const SAME = 1e-6;
+
 export class TimeLine {
   private readonly slider = find<HTMLInputElement>('timeline');
   private readonly dots = find('marks');
@@ -18,7 +21,9 @@ export class TimeLine {
     goLive: () => void,
   ) {
     const { slider } = this;
-    slider.oninput = () => (slider.value === slider.max ? goLive() : goTo(Number(slider.value)));
+    // Browsers round the value and the end of a slider, each in its own way.
+    const isAtEnd = () => slider.valueAsNumber >= Number(slider.max) - SAME;
+    slider.oninput = () => (isAtEnd() ? goLive() : goTo(slider.valueAsNumber));
     slider.onpointerdown = () => (this.isHeld = true);
     slider.onpointerup = slider.onpointercancel = slider.onblur = () => (this.isHeld = false);
   }
