@@ -201,22 +201,45 @@ function solve(rows: number[][], right: number[]): number[] {
   return solution.reverse();
 }
 
-/** Finds positions that bring the gripper to a place of the robot's frame, fingers down; null without a gripper on an arm. */
-export function reachToGrip(robotClass: RobotClass, from: readonly number[], to: Vector): Reached | null {
+/** Returns positions in the middle of all joints: an arm that is stretched may find no way from where it is, but from there. */
+export function middlesOf({ joints }: RobotClass): number[] {
+  return joints.map(({ min, max }) => (min + max) / 2);
+}
+
+/** Finds positions that bring the gripper to a place of the robot's frame, fingers down, from the best start; null without a gripper on an arm. */
+export function reachToGrip(robotClass: RobotClass, starts: readonly number[][], to: Vector): Reached | null {
   const [{ link, middle } = { link: null, middle: to }] = robotClass.grippers;
   if (link === null || moversOf(robotClass, link).length === 0) return null;
   // The fingers point away from their carrier's joint.
   const angle = -Math.atan2(middle[0], middle[2]);
   const facing = new THREE.Quaternion().setFromAxisAngle(new THREE.Vector3(0, 1, 0), angle);
-  // An arm that is stretched may find no way: it finds one from the middle of its joints.
-  const middles = robotClass.joints.map(({ min, max }) => (min + max) / 2);
-  const all = [from, middles].map((start) => reach(robotClass, start, { link, grip: middle, to, facing }));
   const left = ({ way, turn }: Reached) => Math.hypot(way, TURN_WEIGHT * turn);
-  return all.reduce((best, other) => (left(other) < left(best) - NEAR ? other : best));
+  let best: Reached | null = null;
+  for (const start of starts) {
+    const reached = reach(robotClass, start, { link, grip: middle, to, facing });
+    if (!best || left(reached) < left(best) - NEAR) best = reached;
+    if (left(best) <= NEAR) break;
+  }
+  return best;
 }
 
-/** Returns the pose to pick something up from the floor ahead, and the one to carry it; null for what the arm does not reach. */
-export function gripPoses(robotClass: RobotClass): { pick: number[] | null; carry: number[] | null } {
+/** Poses of a gripper; null for what the arm does not reach. */
+interface GripPoses {
+  /** Just above the floor ahead, to pick something up. */
+  pick: number[] | null;
+  carry: number[] | null;
+}
+
+const posesOfClasses = new WeakMap<RobotClass, GripPoses>();
+
+/** Returns the poses of a class's gripper. They are found once, which takes some hundredths of a second. */
+export function gripPoses(robotClass: RobotClass): GripPoses {
+  const poses = posesOfClasses.get(robotClass) ?? findGripPoses(robotClass);
+  posesOfClasses.set(robotClass, poses);
+  return poses;
+}
+
+function findGripPoses(robotClass: RobotClass): GripPoses {
   const [gripper] = robotClass.grippers;
   const movers = gripper?.link != null ? moversOf(robotClass, gripper.link) : [];
   const floor = floorOf(robotClass);
@@ -225,11 +248,11 @@ export function gripPoses(robotClass: RobotClass): { pick: number[] | null; carr
   if (!gripper || !base || floor === null) return { pick: null, carry: null };
   const length = origins.reduce((sum, origin, index) => sum + origin.distanceTo(origins[index + 1] ?? origin), 0);
   const reachable = length + Math.hypot(...gripper.middle);
-  const start = robotClass.joints.map(({ min, max }) => (min + max) / 2);
+  const starts = [middlesOf(robotClass)];
   const find = (heights: number[]) => {
     for (const height of heights) {
       for (const share of SHARES) {
-        const reached = reachToGrip(robotClass, start, [base.x + share * reachable, base.y, height]);
+        const reached = reachToGrip(robotClass, starts, [base.x + share * reachable, base.y, height]);
         if (reached && reached.way < FITS.way && reached.turn < FITS.turn) return reached.positions;
       }
     }

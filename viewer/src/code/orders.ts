@@ -1,9 +1,8 @@
 /** Orders of a program to the robots of this page. */
 
-import { floorOf, reachToGrip } from '../arm';
+import { floorOf, middlesOf, reachToGrip } from '../arm';
 import type { Client } from '../protocol/client';
-import type { Frame, RobotState } from '../protocol/frame';
-import { rollPitchYaw } from '../protocol/frame';
+import { type Frame, type RobotState, rollPitchYaw } from '../protocol/frame';
 import { readingIn } from '../protocol/line';
 import type { RobotClass } from '../protocol/scene';
 import type { State } from '../state';
@@ -207,7 +206,8 @@ export class Orders {
     const [ahead, right, height] = ['ahead', 'right', 'height'].map((part, index) => number(place[index], part));
     const from = this.robot(name).joints.map(({ position }) => position);
     const floor = floorOf(client.robot);
-    const reached = floor === null ? null : reachToGrip(client.robot, from, [ahead!, right!, floor - height!]);
+    const starts = [from, middlesOf(client.robot)];
+    const reached = floor === null ? null : reachToGrip(client.robot, starts, [ahead!, right!, floor - height!]);
     if (!reached) throw new Error(`${name} has no arm with a gripper`);
     const { positions, way } = reached;
     if (way > REACHED) {

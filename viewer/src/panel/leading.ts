@@ -68,10 +68,10 @@ export class Leading {
     if (!shown) return this.release();
     wish.to = ownPoint(shown.pose, to);
     wish.facing.setFromAxisAngle(new THREE.Vector3(0, 0, 1), TURN * turn).multiply(facing);
-    this.taken.positions = reach(robotClass, this.taken.positions, wish).positions;
-    const names = moversOf(robotClass, wish.link).map(({ joint }) => joint);
-    this.moveJoints(new Map(names.map((joint) => [robotClass.joints[joint]!.name, this.taken!.positions[joint]!])));
-    this.taken.to = to;
+    const { positions } = reach(robotClass, this.taken.positions, wish);
+    const moved = moversOf(robotClass, wish.link).map(({ joint }) => joint);
+    this.moveJoints(new Map(moved.map((joint) => [robotClass.joints[joint]!.name, positions[joint]!])));
+    Object.assign(this.taken, { positions, to });
     this.follow();
   }
 
