@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use axum::body::Bytes;
-use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
+use axum::http::{HeaderMap, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use flate2::Compression;
 use include_dir::{Dir, File, include_dir};
 use tokio::sync::Mutex;
 use tokio::task::spawn_blocking;
 
-use crate::page::packed::{pack, takes_gzip};
+use crate::page::packed::{named_packed, pack, takes_gzip};
 
 /// Output of `npm run build`, if it ran before this program was built, and the page that replaces it.
 static FILES: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../viewer/dist");
@@ -43,10 +43,10 @@ pub(crate) async fn file(uri: Uri, headers: HeaderMap) -> Response {
     let head = [(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, keep), (header::VARY, "accept-encoding")];
     let is_packed_already = matches!(kind, "font/woff2" | "application/octet-stream");
     let packed = if !is_packed_already && takes_gzip(&headers) { packed(file).await } else { None };
-    let Some(packed) = packed else { return (head, file.contents()).into_response() };
-    let mut answer = (head, packed).into_response();
-    answer.headers_mut().insert(header::CONTENT_ENCODING, HeaderValue::from_static("gzip"));
-    answer
+    match packed {
+        Some(packed) => named_packed((head, packed).into_response()),
+        None => (head, file.contents()).into_response(),
+    }
 }
 
 async fn packed(file: &'static File<'static>) -> Option<Bytes> {

@@ -36,7 +36,11 @@ impl Packed {
 /// Returns an answer of JSON, in its packed form if there is one and the client takes that.
 pub(crate) fn answer(headers: &HeaderMap, body: Bytes, packed: Option<Bytes>) -> Response {
     let Some(packed) = packed.filter(|_| takes_gzip(headers)) else { return json(body) };
-    let mut answer = json(packed);
+    named_packed(json(packed))
+}
+
+/// Says that the body of an answer is packed.
+pub(crate) fn named_packed(mut answer: Response) -> Response {
     answer.headers_mut().insert(header::CONTENT_ENCODING, HeaderValue::from_static("gzip"));
     answer
 }

@@ -171,8 +171,8 @@ async fn guard(
     let mut response = next.run(request).await;
     // A program of the page runs in MicroPython, which is WebAssembly.
     let policy = format!(
-        "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; \
-         frame-ancestors {}; base-uri 'none'; form-action 'none'",
+        "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' data: blob:; \
+         style-src 'self' 'unsafe-inline'; frame-ancestors {}; base-uri 'none'; form-action 'none'",
         site.framing.ancestors()
     );
     if let Ok(policy) = HeaderValue::from_str(&policy) {
