@@ -279,12 +279,12 @@ const world = new WorldPanel(
     isPlotted: (robot, key) => plots.has(robot, key),
     plot(robot, value) {
       plots.toggle(robot, value);
-      if (!plots.isEmpty()) showPlots(true);
+      showWhatIsPlotted();
     },
     isPlottedOfObject: (object, key) => plots.hasOfObject(object, key),
     plotOfObject(object, value) {
       plots.toggleOfObject(object, value);
-      if (!plots.isEmpty()) showPlots(true);
+      showWhatIsPlotted();
     },
     expanded: (robots) => live.listenToRobots(robots),
   },
@@ -444,6 +444,10 @@ function showPlots(shown: boolean): void {
   document.querySelector<HTMLElement>('[data-resizes=plots]')?.toggleAttribute('hidden', !shown);
   find('toggle-plots').setAttribute('aria-pressed', String(shown));
   if (shown && plots.isEmpty()) plots.plotFirst();
+}
+
+function showWhatIsPlotted(): void {
+  if (!plots.isEmpty()) showPlots(true);
 }
 
 /** Opens or closes the plots, as a person wants it: on a wide screen they open by themselves otherwise. */

@@ -15,6 +15,9 @@ export interface Value {
   read: (robot: RobotState, sensors: SensorValues) => number | null;
 }
 
+/** Names and unit of a value, without the way that it is read. */
+export type Shown = Omit<Value, 'read'>;
+
 export interface Group {
   name: string;
   values: Value[];

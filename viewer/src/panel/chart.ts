@@ -4,8 +4,9 @@ import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { curveColours } from '../view/colours';
 import type { Frame } from '../protocol/frame';
-import type { Value } from '../values';
-import { fixed, make, save, setText } from './dom';
+import type { Shown } from '../values';
+import { fixed, make, setText } from './dom';
+import { caption, digitsOf } from './figure';
 import { WIDE } from './panes';
 
 /** Simulated seconds that are shown while the chart follows, and that are kept. */
@@ -43,9 +44,6 @@ export interface Series {
   read: (frame: Frame) => number | null;
 }
 
-/** Names and unit of a value, without the way that it is read. */
-export type Shown = Omit<Value, 'read'>;
-
 export class Chart {
   readonly element = make('figure', { class: 'chart' });
   private readonly place = make('div', {});
@@ -63,25 +61,8 @@ export class Chart {
     private readonly unit: string,
     close: () => void,
   ) {
-    const picture = make(
-      'button',
-      {
-        type: 'button',
-        class: 'plain icon',
-        title: 'Save as PNG',
-        'aria-label': `Save the plot of ${unit || 'numbers'} as PNG`,
-      },
-      '⤓',
-    );
-    picture.onclick = () => this.plot?.ctx.canvas.toBlob((blob) => blob && save(blob, 'usarsim-plot.png'));
-    const cross = make(
-      'button',
-      { type: 'button', class: 'plain icon', 'aria-label': `Close the plot of ${unit || 'numbers'}` },
-      '✕',
-    );
-    cross.onclick = close;
     this.element.append(
-      make('figcaption', {}, this.title, make('span', { class: 'space' }), picture, cross),
+      caption(this.title, unit || 'numbers', () => this.plot?.ctx.canvas, close),
       this.place,
     );
   }
@@ -291,6 +272,5 @@ function yRange(low: number | null, high: number | null): [number, number] {
 /** Formats a number with enough digits to tell neighbours apart. */
 function ticks(splits: number[]): string[] {
   const step = Math.abs((splits[1] ?? 1) - (splits[0] ?? 0)) || 1;
-  const digits = Math.max(0, Math.min(6, Math.ceil(-Math.log10(step) - 1e-9)));
-  return splits.map((split) => fixed(split, digits));
+  return splits.map((split) => fixed(split, digitsOf(step)));
 }

@@ -1,6 +1,7 @@
 /** A plot of values against each other, or of what a laser sees: points in a plane, both axes alike if their units are. */
 
-import { fixed, make, save, setText } from './dom';
+import { fixed, make } from './dom';
+import { caption, digitsOf } from './figure';
 
 /** Most points of a curve. */
 const MOST = 4000;
@@ -28,19 +29,12 @@ export class Plane {
     private readonly isCurve: boolean,
     close: () => void,
   ) {
-    const name = make('span', {});
-    setText(name, title);
-    const picture = button('⤓', `Save the plot of ${title} as PNG`, () =>
-      this.canvas.toBlob((blob) => blob && save(blob, 'usarsim-plot.png')),
-    );
-    const cross = button('✕', `Close the plot of ${title}`, close);
     this.canvas.setAttribute('role', 'img');
     this.canvas.setAttribute('aria-label', `${title}: ${axes.map(({ name }) => name).join(' to the right, ')} up`);
-    this.element.append(make('figcaption', {}, name, make('span', { class: 'space' }), picture, cross), this.canvas);
-  }
-
-  get count(): number {
-    return this.points.length;
+    this.element.append(
+      caption(make('span', {}, title), title, () => this.canvas, close),
+      this.canvas,
+    );
   }
 
   /** Adds a point; of many, each second one is left out. */
@@ -73,19 +67,18 @@ export class Plane {
     context.strokeStyle = '#88888833';
     context.beginPath();
     context.textAlign = 'center';
-    const digits = (step: number) => Math.max(0, Math.min(6, Math.ceil(-Math.log10(step) - 1e-9)));
     for (const [x, step] of ticks(across)) {
       const [at] = place([x, up[0]]);
       context.moveTo(at, ROOM.top);
       context.lineTo(at, ROOM.top + inner[1]);
-      context.fillText(fixed(x, digits(step)), at, ROOM.top + inner[1] + 12);
+      context.fillText(fixed(x, digitsOf(step)), at, ROOM.top + inner[1] + 12);
     }
     context.textAlign = 'right';
     for (const [y, step] of ticks(up)) {
       const [, at] = place([across[0], y]);
       context.moveTo(ROOM.left, at);
       context.lineTo(ROOM.left + inner[0], at);
-      context.fillText(fixed(y, digits(step)), ROOM.left - 4, at + 4);
+      context.fillText(fixed(y, digitsOf(step)), ROOM.left - 4, at + 4);
     }
     context.stroke();
     const named = ({ name, unit }: Axis) => (unit ? `${name} (${unit})` : name);
@@ -140,10 +133,4 @@ function ticks([least, most]: [number, number]): [number, number][] {
   const step = ([1, 2, 5].find((factor) => factor * power >= rough) ?? 10) * power;
   const first = Math.ceil(least / step);
   return Array.from({ length: Math.floor(most / step) - first + 1 }, (_, index) => [(first + index) * step, step]);
-}
-
-function button(text: string, label: string, run: () => void): HTMLElement {
-  const element = make('button', { type: 'button', class: 'plain icon', 'aria-label': label, title: label }, text);
-  element.onclick = run;
-  return element;
 }

@@ -3,6 +3,7 @@
 import { type Frame, type Scan, isHit } from '../protocol/frame';
 import type { State } from '../state';
 import { type PoseValue, type Value, valuesOf } from '../values';
+import { beamAngle } from '../view/overlay';
 import { type Axis, Plane } from './plane';
 import { Chart, type Series } from './chart';
 import { find, make, save, setText } from './dom';
@@ -98,10 +99,14 @@ export class PlotsPanel {
     this.showOffers();
   }
 
+  private get curves(): Series[] {
+    return [...this.byUnit.values()].flatMap((chart) => chart.curves);
+  }
+
   /** Offers what is plotted for the axes of a plane. */
   private showOffers(): void {
     this.hint.hidden = this.byUnit.size > 0 || this.planes.size > 0;
-    const curves = [...this.byUnit.values()].flatMap((chart) => chart.curves);
+    const { curves } = this;
     this.planeOf.hidden = curves.length < 2;
     for (const [index, select] of this.axes.entries()) {
       const before = this.chosen.has(select) ? select.value : null;
@@ -115,8 +120,7 @@ export class PlotsPanel {
 
   /** Plots one of the plotted values against another. */
   private addPlane(): void {
-    const curves = [...this.byUnit.values()].flatMap((chart) => chart.curves);
-    const [x, y] = this.axes.map((select) => curves[select.selectedIndex]);
+    const [x, y] = this.axes.map((select) => this.curves[select.selectedIndex]);
     if (!x || !y) return;
     const [across, up] = [x, y].map(({ label, value }) => ({ name: label, unit: value.unit })) as [Axis, Axis];
     const title = `${y.label} against ${x.label}`;
@@ -150,7 +154,7 @@ export class PlotsPanel {
     const scan = (scan: Scan) => {
       if (scan.robot !== selected || scan.sensor !== index) return;
       const ends = scan.ranges.flatMap((part, beam): [number, number][] => {
-        const angle = fan.first - beam * fan.resolution;
+        const angle = beamAngle(fan, beam);
         return isHit(part) ? [[part * range * Math.sin(angle), part * range * Math.cos(angle)]] : [];
       });
       plane.set([[0, 0], ...ends]);

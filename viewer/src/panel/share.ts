@@ -76,23 +76,19 @@ export class Sharing {
   private picture(): HTMLElement {
     const size = make('select', { 'aria-label': 'Size', id: 'share-size' }, make('option', { value: '' }, 'as it is'));
     size.append(...SIZES.map(([x, y]) => make('option', { value: `${x},${y}` }, `${x} x ${y}`)));
-    const [grid, floor, background, labels] = (['grid', 'floor', 'background', 'labels'] as const).map((part) => {
+    const parts = (['grid', 'floor', 'background', 'labels'] as const).map((part) => {
       const box = make('input', { type: 'checkbox', name: part });
       box.checked = part === 'floor' || part === 'background';
       return box;
-    }) as [HTMLInputElement, HTMLInputElement, HTMLInputElement, HTMLInputElement];
+    });
     const button = make('button', { type: 'button', id: 'share-picture' }, 'Save PNG');
     button.onclick = () => {
       const [width, height] = size.value.split(',').map(Number);
-      void this.savePicture(width && height ? { width, height } : null, {
-        grid: grid.checked,
-        floor: floor.checked,
-        background: background.checked,
-        labels: labels.checked,
-      });
+      const looks: Partial<Looks> = Object.fromEntries(parts.map(({ name, checked }) => [name, checked]));
+      void this.savePicture(width && height ? { width, height } : null, looks);
     };
-    const boxes = [grid, floor, background, labels].map((box) => make('label', {}, box, ` ${box.name}`));
-    const row = make('div', { class: 'row' }, size, ...boxes, button);
+    const labels = parts.map((box) => make('label', {}, box, ` ${box.name}`));
+    const row = make('div', { class: 'row' }, size, ...labels, button);
     return make('section', {}, make('h3', {}, 'Picture'), row);
   }
 

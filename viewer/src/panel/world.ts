@@ -1,7 +1,7 @@
 /** The tree of what is in the world, with the values of robots; a click on a value plots it. */
 
 import type { State } from '../state';
-import { type Group, POSE, type PoseValue, type Value, valuesOf } from '../values';
+import { type Group, POSE, type PoseValue, type Shown, type Value, valuesOf } from '../values';
 import type { Vector } from '../protocol/scene';
 import { find, fixed, make, remember, remembered, setText } from './dom';
 import type { Pictures } from './pictures';
@@ -24,7 +24,7 @@ export interface WorldActions {
 
 /** A value in the tree, with the number that it has now and whether it is plotted. */
 interface Cell {
-  value: Omit<Value, 'read'>;
+  value: Shown;
   now: () => number | null;
   isPlotted: () => boolean;
   output: HTMLElement;
@@ -236,7 +236,7 @@ export class WorldPanel {
 
   /** Returns the row of a value; a click plots it. */
   private cell(
-    value: Cell['value'],
+    value: Shown,
     attribute: string,
     now: Cell['now'],
     isPlotted: Cell['isPlotted'],

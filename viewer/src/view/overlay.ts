@@ -205,7 +205,7 @@ function beamEnds({ fan, max_range }: Sensor, ranges: number[], mount: THREE.Mat
   const ends = new Float32Array(3 * ranges.length);
   const end = new THREE.Vector3();
   ranges.forEach((part, beam) => {
-    const angle = fan ? fan.first - beam * fan.resolution : 0;
+    const angle = fan ? beamAngle(fan, beam) : 0;
     end
       .set(part * (max_range ?? 0), 0, 0)
       .applyAxisAngle(axis, angle)
@@ -213,6 +213,11 @@ function beamEnds({ fan, max_range }: Sensor, ranges: number[], mount: THREE.Mat
     end.toArray(ends, 3 * beam);
   });
   return ends;
+}
+
+/** Returns the angle of a beam, rad, positive to the right: they go from the right to the left. */
+export function beamAngle({ first, resolution }: NonNullable<Sensor['fan']>, beam: number): number {
+  return first - beam * resolution;
 }
 
 /** Returns the pose of a sensor in the world. */

@@ -50,8 +50,9 @@ export class Stage {
   private size = { width: 1, height: 1 };
   /** Draws depths in place of what things look like; null for that. */
   private depth: THREE.ShaderMaterial | null = null;
-  /** Colour of all that is behind the world, in place of the sky. */
-  private backdrop: THREE.Color | null = null;
+  /** True if the map has a floor, and if that is drawn. */
+  private hasFloor = false;
+  private isFloorShown = true;
   /** Settings of a picture that is drawn whatever the ladder says. */
   private held: Rung | null = null;
   /** Meshes around the world without a body. */
@@ -112,7 +113,7 @@ export class Stage {
 
   /** Takes what never moves, with a box around its finite parts. Without a floor nothing fades, and no shadow falls on it. */
   setGround(ground: THREE.Object3D, box: THREE.Box3, hasFloor: boolean): void {
-    this.rim.mesh.visible = hasFloor;
+    this.hasFloor = hasFloor;
     if (hasFloor) this.shade.draw(this.renderer, ground, box);
     this.dress();
   }
@@ -143,16 +144,15 @@ export class Stage {
 
   /** Puts a colour behind the world in place of sky and fog; null for these. */
   setBackdrop(colour: THREE.ColorRepresentation | null): void {
-    this.backdrop = colour === null ? null : new THREE.Color(colour);
     this.sky.mesh.visible = colour === null;
     this.scene.fog = colour === null ? this.fog : null;
-    this.scene.background = this.backdrop;
+    this.scene.background = colour === null ? null : new THREE.Color(colour);
   }
 
   /** Shows the rim of the floor and the shadow on it, or neither. */
   showFloor(shown: boolean): void {
-    this.rim.mesh.scale.setScalar(shown ? 1 : 0);
-    this.shade.mesh.scale.setScalar(shown ? 1 : 0);
+    this.isFloorShown = shown;
+    this.dress();
   }
 
   /** Draws what has a body by its distance. */
@@ -239,6 +239,7 @@ export class Stage {
     const standard = shading === 'standard';
     this.renderer.shadowMap.enabled = shadows;
     this.lights.castShadows(shadows);
+    this.rim.mesh.visible = this.hasFloor && this.isFloorShown;
     this.shade.mesh.visible = this.rim.mesh.visible && !shadows;
     this.surfaces.setShading(shading);
     this.surfaces.refresh(this.world);
