@@ -80,7 +80,7 @@ pageTest(
   {},
   async ({ page }) => {
     const waits =
-      'robot = await take("YouBotArm")\nawait robot.grip()\nwhile True:\n  await robot.move(ArmJoint1=2.9)\n  await robot.move(ArmJoint1=-2.9)';
+      'robot = await take("YouBotArm")\nprint(await robot.grip())\nwhile True:\n  await robot.move(ArmJoint1=2.9)\n  await robot.move(ArmJoint1=-2.9)';
     await run(page, waits, { fast: false });
     await page.waitForSelector('.numbers .lit:nth-child(4)');
     await page.click('[data-tab=drive]');

@@ -220,14 +220,15 @@ export class Orders {
     return this.stand(name, client.robot, new Map(moved.map((index) => [index, positions[index]!])));
   }
 
-  private async grip(name: string, isOpen: boolean): Promise<void> {
+  /** Opens or closes the gripper. Returns true if its fingers reach their ends. */
+  private async grip(name: string, isOpen: boolean): Promise<boolean> {
     const client = this.client(name);
     const [gripper] = client.robot.grippers;
     if (!gripper) throw new Error(`${name} has no gripper`);
     client.setGripper(gripper.name, isOpen ? 'Open' : 'Close');
     const ends = isOpen ? gripper.open : gripper.closed;
     const fingers = gripper.joints.map((joint) => client.robot.joints.findIndex((it) => it.name === joint));
-    await this.stand(name, client.robot, new Map(fingers.map((index, finger) => [index, ends[finger] ?? 0])));
+    return this.stand(name, client.robot, new Map(fingers.map((index, finger) => [index, ends[finger] ?? 0])));
   }
 
   /** Waits until joints stand. Returns true if all are at their targets. */

@@ -71,9 +71,9 @@ class Robot:
     async def reach(self, ahead, right, height):
         return await _call("reach", self.name, ahead, right, height)
 
-    # Closes the gripper, and waits until its fingers stand.
+    # Closes the gripper, and waits until its fingers stand. True if something keeps them apart.
     async def grip(self):
-        await _call("grip", self.name, False)
+        return not await _call("grip", self.name, False)
 
     # Opens the gripper.
     async def release(self):

@@ -5,9 +5,9 @@ async def go_to(to_x, to_y):
     while True:
         x, y, z, roll, pitch, yaw = await robot.pose()
         ahead, right = to_x - x, to_y - y
-        if abs(ahead) + abs(right) < 0.015:
+        if abs(ahead) + abs(right) < 0.008:
             return await robot.stop()
-        limited = [max(-0.4, min(0.4, way)) for way in (ahead, right)]
+        limited = [max(-0.4, min(0.4, 2 * way)) for way in (ahead, right)]
         await robot.drive(limited[0], limited[1], turn=-yaw, seconds=0.03)
 
 await robot.reach(0.4, 0, 0.2)
@@ -15,6 +15,6 @@ await robot.release()
 await go_to(-0.9, -1.5)
 await robot.reach(0.4, 0, 0.1)
 await robot.reach(0.4, 0, 0.03)
-await robot.grip()
+held = await robot.grip()
 await robot.reach(0.4, 0, 0.2)
-print("the cube is in the hand")
+print("the cube is in the hand" if held else "the hand is empty")
