@@ -45,8 +45,8 @@ import { State } from './state';
 import { QUALITIES, RUNGS } from './view/quality';
 import { View } from './view/view';
 
-/** Intervals between two updates of numbers, and of plots, ms. */
-const PANEL_INTERVAL = 100;
+/** Intervals between two updates of numbers, ms, with a graphics card and without one, where each costs as much as a frame; and of plots. */
+const PANEL_INTERVAL = { hardware: 100, software: 250 };
 const PLOT_INTERVAL = 250;
 /** Time between two frames, s. */
 const FRAME = 1 / 30;
@@ -467,6 +467,24 @@ function openSpawn(): void {
   drive.focusForm();
 }
 
+/** Brings the numbers of all panels up to date. */
+function showNumbers(): void {
+  play.updateTime();
+  pace.update(state.isPresent ? state.status : null);
+  world.updateValues();
+  objectPanel.update();
+  tools.updateDepths();
+  drive.updateFrame();
+  wire.draw();
+  const rate = view.framesPerSecond();
+  setText(find('rate'), `Picture quality ${view.quality} of 5${rate === null ? '' : ` · ${rate} fps`}`);
+  const metres = view.metresPer100Pixels();
+  const round = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((length) => length >= metres) ?? 100;
+  const bar100 = find('scale').firstElementChild as HTMLElement;
+  bar100.style.width = `${(100 * round) / metres}px`;
+  setText(bar100, round < 1 ? `${Math.round(round * 100)} cm` : `${round} m`);
+}
+
 function setTheme(dark: boolean): void {
   document.documentElement.dataset.theme = dark ? 'dark' : 'light';
   remember('theme', dark ? 'dark' : 'light');
@@ -537,19 +555,4 @@ find('fullscreen').onclick = () =>
 find('view').addEventListener('dblclick', focusView);
 
 setInterval(() => plots.draw(), PLOT_INTERVAL);
-setInterval(() => {
-  play.updateTime();
-  pace.update(state.isPresent ? state.status : null);
-  world.updateValues();
-  objectPanel.update();
-  tools.updateDepths();
-  drive.updateFrame();
-  wire.draw();
-  const rate = view.framesPerSecond();
-  setText(find('rate'), `Picture quality ${view.quality} of 5${rate === null ? '' : ` · ${rate} fps`}`);
-  const metres = view.metresPer100Pixels();
-  const round = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((length) => length >= metres) ?? 100;
-  const bar100 = find('scale').firstElementChild as HTMLElement;
-  bar100.style.width = `${(100 * round) / metres}px`;
-  setText(bar100, round < 1 ? `${Math.round(round * 100)} cm` : `${round} m`);
-}, PANEL_INTERVAL);
+setInterval(showNumbers, view.isSoftware ? PANEL_INTERVAL.software : PANEL_INTERVAL.hardware);

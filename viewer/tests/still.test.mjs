@@ -1,7 +1,11 @@
 // The still picture at the best quality that covers a view in which nothing moves.
 
 import assert from 'node:assert/strict';
+import { join } from 'node:path';
+import { test } from 'node:test';
+import { runnerImport } from 'vite';
 import { ABOVE, near, pageTest, setQuality, spawnRobot, waitForPixels, waitForView } from './pagetest.mjs';
+import { root } from './server.mjs';
 
 const shown = (page) => page.waitForSelector('.view-still.shown');
 const gone = (page) => page.waitForSelector('.view-still:not(.shown)', { state: 'attached' });
@@ -65,4 +69,17 @@ pageTest('walls have shadows on the floor at a low quality', { serve: ['--map', 
   await waitForView(page, ABOVE);
   // The floor in the shade.
   await waitForPixels(page, 6000, ...near('#77746e', 10));
+});
+
+test('free rollers that turn on after a robot has stopped are no motion where nobody sees them', async () => {
+  const { module } = await runnerImport(join(root, 'viewer/src/view/moved.ts'));
+  const frame = (angle, turn) => {
+    const robot = { id: 1, pose: [0, 0, 0, 0, 0, 0, 1], links: [], wheels: [{ angle, rollers: [turn] }], contacts: [] };
+    return { robots: [robot], objects: [] };
+  };
+  const moves = (after, rollers) => module.moved(frame(0, 0), after, { forces: false, rollers });
+  assert.deepEqual(
+    [moves(frame(0, 0.5), false), moves(frame(0, 0.5), true), moves(frame(0.1, 0), false), moves(frame(0, 0), true)],
+    [false, true, true, false],
+  );
 });

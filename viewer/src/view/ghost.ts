@@ -84,7 +84,7 @@ export class Ghost {
     const pose: Pose = [0, 0, 0, 0, 0, 0, 1];
     const still = { pose, wheels: [], links: alike?.links ?? [], contacts: [] } as unknown as RobotState;
     // Near enough for the rollers to be exact.
-    for (const { part, matrix } of fleet.parts(still, new THREE.Vector3())) {
+    for (const { part, matrix } of fleet.parts(still, { eye: new THREE.Vector3(), sharpness: 1 })) {
       const mesh = new THREE.Mesh(part.mesh.geometry, this.material);
       matrix.decompose(mesh.position, mesh.quaternion, mesh.scale);
       mesh.castShadow = false;

@@ -6,21 +6,30 @@ import type { Frame, ObjectState, RobotState } from '../protocol/frame';
 const LEAST_MOVE = 5e-5;
 const LEAST_TURN = 2e-3;
 
-export function moved(before: Frame, after: Frame, withForces: boolean): boolean {
+/** Motions that count. */
+export interface Counted {
+  /** Forces where robots touch something: they change all the time. */
+  forces: boolean;
+  /** Free rollers' own: they turn for seconds after their robot has stopped. */
+  rollers: boolean;
+}
+
+export function moved(before: Frame, after: Frame, counted: Counted): boolean {
   if (before.robots.length !== after.robots.length) return true;
   if (objectsDiffer(before.objects, after.objects)) return true;
   return after.robots.some((robot, index) => {
     const last = before.robots[index];
-    return !last || last.id !== robot.id || robotMoved(last, robot) || (withForces && robot.contacts.length > 0);
+    if (!last || last.id !== robot.id || (counted.forces && robot.contacts.length > 0)) return true;
+    return robotMoved(last, robot, counted.rollers);
   });
 }
 
-function robotMoved(before: RobotState, after: RobotState): boolean {
+function robotMoved(before: RobotState, after: RobotState, withRollers: boolean): boolean {
   if (differ([before.pose], [after.pose]) || differ(before.links, after.links)) return true;
   return after.wheels.some(({ angle, rollers }, index) => {
     const last = before.wheels[index];
     if (!last || Math.abs(last.angle - angle) > LEAST_TURN) return true;
-    return rollers.some((turn, number) => Math.abs(turn - (last.rollers[number] ?? 0)) > 4 * LEAST_TURN);
+    return withRollers && rollers.some((turn, number) => Math.abs(turn - (last.rollers[number] ?? 0)) > 4 * LEAST_TURN);
   });
 }
 

@@ -51,6 +51,12 @@ interface Spinner {
   speed: number;
 }
 
+/** Place in the world from which robots are seen, and the pixels that are drawn for one of the page: with few of them details are lost sooner. */
+export interface Seen {
+  eye: THREE.Vector3;
+  sharpness: number;
+}
+
 /** A part of a robot and where it is. */
 export interface Placed {
   part: Instances;
@@ -153,18 +159,18 @@ export class RobotFleet {
     return this.spinners.length > 0;
   }
 
-  /** Puts every robot of the class where it is at a time, s, as seen from a place in the world. */
-  place(robots: RobotState[], eye: THREE.Vector3, time: number): void {
+  /** Puts every robot of the class where it is at a time, s, as it is seen. */
+  place(robots: RobotState[], seen: Seen, time: number): void {
     this.all.forEach((part) => part.begin());
     for (const robot of robots) {
-      this.parts(robot, eye, time).forEach(({ part, matrix }) => part.add(matrix));
+      this.parts(robot, seen, time).forEach(({ part, matrix }) => part.add(matrix));
     }
     this.all.forEach((part) => part.end());
   }
 
-  /** The parts of a robot; without an eye without its rollers. */
-  parts(state: RobotState, eye: THREE.Vector3 | null, time = 0): Placed[] {
-    const level = this.level(state, eye);
+  /** The parts of a robot as it is seen; near, and without its rollers, if nobody sees it. */
+  parts(state: RobotState, seen: Seen | null, time = 0): Placed[] {
+    const level = this.level(state, seen);
     const detail = level === 'plain' ? 'near' : level;
     const robot = setPose(new THREE.Matrix4(), state.pose);
     const placed: Placed[] = [{ part: this.body[detail], matrix: robot, link: null }];
@@ -216,9 +222,10 @@ export class RobotFleet {
     this.all.forEach((part) => part.dispose());
   }
 
-  private level({ pose: [x, y, z] }: RobotState, eye: THREE.Vector3 | null): Level {
-    if (!eye) return 'plain';
-    const robots = Math.hypot(eye.x - x, eye.y - y, eye.z - z) / this.size;
+  private level({ pose: [x, y, z] }: RobotState, seen: Seen | null): Level {
+    if (!seen) return 'plain';
+    const { eye, sharpness } = seen;
+    const robots = Math.hypot(eye.x - x, eye.y - y, eye.z - z) / this.size / Math.min(1, sharpness);
     return robots < FAR ? 'near' : robots < AFAR ? 'far' : 'afar';
   }
 

@@ -5,7 +5,7 @@ import type { Frame, RobotState } from '../protocol/frame';
 import type { RobotClass, Scene } from '../protocol/scene';
 import { type Decal, Decals } from './decals';
 import { setPose } from './pose';
-import { type Placed, RobotFleet } from './robot';
+import { type Placed, RobotFleet, type Seen } from './robot';
 import type { Surfaces } from './surfaces';
 
 /** Class and name of a robot by its number. */
@@ -83,8 +83,8 @@ export class Robots {
     return this.scene.classes[this.roster(id)?.class ?? ''] ?? null;
   }
 
-  /** Places the robots of a frame, seen from a place of the world. */
-  place(frame: Frame, eye: THREE.Vector3): void {
+  /** Places the robots of a frame as they are seen. */
+  place(frame: Frame, seen: Seen): void {
     this.known = frame.robots.flatMap((state) => {
       const entry = this.roster(state.id);
       const fleet = entry && this.fleet(entry.class);
@@ -95,7 +95,7 @@ export class Robots {
       const own = this.known.filter((known) => known.fleet === fleet);
       fleet.place(
         own.map(({ state }) => state),
-        eye,
+        seen,
         frame.time,
       );
     }

@@ -92,6 +92,11 @@ export class Stage {
     return this.ladder.rung;
   }
 
+  /** Pixels that are drawn for one of the page. */
+  get sharpness(): number {
+    return this.renderer.getPixelRatio();
+  }
+
   private get rung(): Rung {
     return this.held ?? RUNGS[this.quality];
   }

@@ -8,7 +8,7 @@ import type { Stage } from './stage';
 /** Time without motion after which it is drawn, ms. */
 const REST = 250;
 /** Pixels of a strip, with a graphics card and without one: the memory that it takes there, and a third of a second here. */
-const STRIP = { hardware: 1_500_000, software: 110_000 };
+const STRIP = { hardware: 1_500_000, software: 120_000 };
 /** Most pixels along one of the page's pixels. */
 const FINEST = 2;
 
@@ -22,10 +22,17 @@ export class Still {
   constructor(
     private readonly view: HTMLCanvasElement,
     private readonly stage: Stage,
+    /** Places everything with all its details. */
+    private readonly refine: () => void,
   ) {
     this.canvas.className = 'view-still';
     this.canvas.setAttribute('aria-hidden', 'true');
     view.after(this.canvas);
+  }
+
+  /** True if it is shown, or is being drawn. */
+  get isBegun(): boolean {
+    return this.state !== 'none';
   }
 
   get isShown(): boolean {
@@ -53,7 +60,9 @@ export class Still {
     const context = this.canvas.getContext('2d', { alpha: false });
     if (!width || !height || !context) return;
     Object.assign(this.canvas, { width, height });
-    const rows = Math.ceil((this.stage.isSoftware ? STRIP.software : STRIP.hardware) / width);
+    const strips = Math.ceil((width * height) / (this.stage.isSoftware ? STRIP.software : STRIP.hardware));
+    const rows = Math.ceil(height / strips);
+    this.refine();
     for (let first = 0; first < height; first += rows) {
       const pixels = await this.stage.rows(first, { width, height, rows, ratio });
       // What has moved meanwhile would be torn.

@@ -119,7 +119,7 @@ export class View {
     );
     const resized = (width: number, height: number, ratio: number) => this.setScreen(width, height, ratio);
     this.stage = new Stage(canvas, this.cameras.camera, () => this.bodiless(), resized, refresh);
-    this.still = new Still(canvas, this.stage);
+    this.still = new Still(canvas, this.stage, () => this.placeFrame(1));
     this.labels = new Labels(labels, (place, kind) => this.isBehind(place, kind));
     this.gizmo = new Gizmo(labels, (yaw, pitch) => this.cameras.lookFrom(yaw, pitch));
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -184,11 +184,12 @@ export class View {
   setFrame(frame: Frame): void {
     if (this.frame && frame.time < this.frame.time) this.world?.overlay.clear();
     this.frame = frame;
-    const forces = this.shown.get('forces') === true;
+    // With few pixels nobody sees a roller turn.
+    const counted = { forces: this.shown.get('forces') === true, rollers: this.stage.sharpness >= 1 };
     const drawn = this.drawnFrame;
     const turned = frame.time !== drawn?.time && this.world?.robots.spin === true;
     const isPulled = frame.pulls.length > 0 || (drawn?.pulls.length ?? 0) > 0;
-    if (drawn && !turned && !isPulled && !moved(drawn, frame, forces)) return;
+    if (drawn && !turned && !isPulled && !moved(drawn, frame, counted)) return;
     this.stir();
     this.stage.renewShadows();
   }
@@ -204,8 +205,8 @@ export class View {
     const robotClass = this.world?.robots.classOf(scan.robot);
     if (!robot || !robotClass) return;
     this.world?.overlay.scan(scan, robot, robotClass);
-    // The noise of a sensor is no motion.
-    this.stale = true;
+    // The noise of a sensor is no motion, and no reason to draw under a still picture.
+    if (!this.still.isBegun) this.stale = true;
   }
 
   show(layer: Layer, shown: boolean): void {
@@ -282,6 +283,11 @@ export class View {
   chooseObject(number: number | null): void {
     this.chosen = number;
     this.stir();
+  }
+
+  /** True if the browser draws without a graphics card. */
+  get isSoftware(): boolean {
+    return this.stage.isSoftware;
   }
 
   /** Holds a rung of quality, or lets it follow the time that a frame takes. */
@@ -388,6 +394,7 @@ export class View {
     this.stage.setSaving(true);
     if (size) this.resizeTo(size.width / ratio, size.height / ratio);
     else this.resize();
+    this.placeFrame(1);
     const draw = () => {
       this.stage.render(this.cameras.target, this.cameras.distance);
       return copyOf(this.canvas);
@@ -460,7 +467,7 @@ export class View {
     this.stale = false;
     this.stage.rim.surround(this.extent());
     // Before, since the robots are drawn as they are seen from there; after, since it may follow them.
-    if (this.frame) this.place(this.world, this.frame);
+    this.placeFrame(this.stage.sharpness);
     this.frameRobots();
     this.cameras.update(seconds);
     this.stage.render(this.cameras.target, this.cameras.distance);
@@ -489,10 +496,15 @@ export class View {
     this.labels.update(this.cameras.camera, this.cameras.distance);
   }
 
-  private place({ scene, map, robots, overlay, pulls }: World, frame: Frame): void {
+  /** Places what is in the frame, for a picture with so many pixels for one of the page. */
+  private placeFrame(sharpness: number): void {
+    if (this.world && this.frame) this.place(this.world, this.frame, sharpness);
+  }
+
+  private place({ scene, map, robots, overlay, pulls }: World, frame: Frame, sharpness: number): void {
     const { x, y, z } = this.cameras.eye;
     const eye = new THREE.Vector3(x, -y, -z);
-    robots.place(frame, eye);
+    robots.place(frame, { eye, sharpness });
     map.place(frame.objects);
     labelObjects(this.labels, frame.objects, this.catalogue);
     overlay.place(frame, (id) => robots.classOf(id), eye);
@@ -507,7 +519,7 @@ export class View {
       const distance = eye.distanceTo(new THREE.Vector3(px, py, pz));
       this.outline.suit(selected.fleet.size * this.pixelsPerMetre(Math.max(0.1, distance)));
     }
-    const parts = selected ? selected.fleet.parts(selected.state, eye, frame.time) : chosen;
+    const parts = selected ? selected.fleet.parts(selected.state, { eye, sharpness }, frame.time) : chosen;
     this.outline.place(parts, selected ? this.colours(selected.state.id) : CHOSEN);
     this.drawnFrame = frame;
   }
