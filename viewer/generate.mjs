@@ -26,7 +26,8 @@ function typesOf({ name, fields }) {
 function typeOf({ type, repeated }) {
   const single = NUMBERS.includes(type) ? 'number' : type === 'bytes' ? 'Uint8Array<ArrayBuffer>' : type;
   if (repeated) return `${single}[]`;
-  return single === 'number' ? single : `${single} | undefined`;
+  // Numbers and texts that are not there are read as 0 and as empty.
+  return ['number', 'string'].includes(single) ? single : `${single} | undefined`;
 }
 
 if (process.argv[1] === import.meta.filename) {

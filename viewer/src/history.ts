@@ -32,7 +32,23 @@ export class History {
     if (time < last) this.clear();
     this.frames.push({ time, bytes });
     this.bytes += bytes.byteLength;
+    this.limit();
+  }
+
+  private limit(): void {
     while (this.frames.length > 2 && (this.frames.length > KEPT || this.bytes > MOST_BYTES)) this.thin();
+  }
+
+  /** Adds frames of the time before the first one, the oldest first. */
+  prepend(frames: readonly ArrayBuffer[]): void {
+    const first = this.frames[0]?.time ?? Infinity;
+    const known = frames.flatMap((bytes) => {
+      const time = read(bytes)?.time;
+      return time !== undefined && time < first ? [{ time, bytes }] : [];
+    });
+    this.frames = [...known, ...this.frames];
+    this.bytes += known.reduce((sum, { bytes }) => sum + bytes.byteLength, 0);
+    this.limit();
   }
 
   /** Keeps fewer frames of the time before the last minute, or before the newest half where a minute is too much. */

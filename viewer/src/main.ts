@@ -68,7 +68,7 @@ let moment: Link['log'] = null;
 const view = new View(
   find<HTMLCanvasElement>('canvas'),
   find('labels'),
-  (id) => state.robot(id),
+  (id) => state.known(id),
   (number) => state.object(number),
   (id) => state.colourOf(id),
 );
@@ -81,6 +81,7 @@ const playback = new Playback(transport.sceneOfLog, {
   frame: showFrame,
   scan(scan) {
     view.setScan(scan);
+  robots: (robots) => (state.met = robots),
     plots.takeScan(scan);
   },
   picture: (picture) => pictures.take(picture),
@@ -205,6 +206,7 @@ const live = new Live(transport, {
   picture: (picture) => playback.takePicture(picture),
   status(status) {
     if (!connected) showBanner(null);
+  past: (past) => playback.takePast(past),
     connected = true;
     playback.takeStatus(status);
     door.takeStatus(status);

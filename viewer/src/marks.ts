@@ -1,5 +1,6 @@
 /** Events for the time line: robots that came and left, resets, saves and recordings. */
 
+import type { Past } from './protocol/frame';
 import type { Status } from './protocol/live';
 
 export interface Mark {
@@ -51,6 +52,21 @@ export class Marks {
     }
   }
 
+  /** Adds what happened before a time, s, at which the page was opened. */
+  takePast(robots: Past['robots'], opened: number): void {
+    const events = robots.flatMap(({ robot: id, came, left, ...known }) => {
+      const name = nameOf({ id, ...known });
+      return [
+        { time: came, what: `${name} came` },
+        { time: left, what: `${name} left` },
+      ];
+    });
+    const earlier = events
+      .filter(({ time }) => time > 0 && time < opened)
+      .toSorted((one, other) => one.time - other.time);
+    this.list = [...earlier.map((event) => ({ ...event, kind: 'robot' as const })), ...this.list];
+  }
+
   /** Notes whether the world keeps the speed that it was asked for. */
   takePace(time: number, { paused, speed, real_time_factor: factor }: Status): void {
     if (paused || speed === 0 || time === 0 || factor >= ENOUGH * speed) return;
@@ -71,6 +87,6 @@ export class Marks {
   }
 }
 
-function nameOf({ name, class: robotClass, id }: Status['robots'][number]): string {
+function nameOf({ name, class: robotClass, id }: Pick<Status['robots'][number], 'name' | 'class' | 'id'>): string {
   return name || `${robotClass} #${id}`;
 }

@@ -3,18 +3,23 @@
 import { History } from './history';
 import { LogFile, Player } from './log';
 import { type Late, type Mark, Marks } from './marks';
-import type { Frame, Picture, Scan } from './protocol/frame';
+import type { Frame, Past, Picture, Scan } from './protocol/frame';
 import type { Status, WireLine } from './protocol/live';
 import type { Scene, Solid, Spawned } from './protocol/scene';
 import type { Reading } from './protocol/sensors';
 
 export type Mode = 'live' | 'past' | 'log';
 
+/** Class and name of a robot. */
+export type Known = Pick<Status['robots'][number], 'class' | 'name'>;
+
 /** Receiver of what is shown, from any source. */
 export interface Screen {
   scene(scene: Scene): void;
   /** Takes the objects that the map does not have, by their numbers: those of the frames that follow, and maybe more. */
   objects(objects: ReadonlyMap<number, Solid>): void;
+  /** Takes the robots that are or were in the world, by their numbers. */
+  robots(robots: ReadonlyMap<number, Known>): void;
   frame(frame: Frame): void;
   /** Takes the newest frame of the server's world, also while its past is shown. */
   present(frame: Frame): void;
@@ -82,6 +87,8 @@ export class Playback {
   };
   /** Spawned objects of the server's world by number. Removed ones are kept for the past. */
   private objects = new Map<number, Solid>();
+  /** Robots of the server's world by number, also those that have left. */
+  private robots = new Map<number, Known>();
 
   constructor(
     /** Returns the scene of a log's world, in JSON. */
@@ -92,12 +99,13 @@ export class Playback {
   takeScene(scene: Scene): void {
     this.live = { scene, status: null, frame: null };
     this.objects = new Map();
+    this.robots = new Map();
     this.history.clear();
     this.presentMarks.clear();
     if (this.mode === 'log') return;
     this.leavePast();
     this.screen.scene(scene);
-    this.screen.objects(this.objects);
+    this.showKnown();
     this.screen.changed();
     this.screen.refilled();
   }
@@ -107,6 +115,17 @@ export class Playback {
     // A number is always of the same object, which then is not drawn anew.
     for (const object of objects) if (!this.objects.has(object.number)) this.objects.set(object.number, object);
     if (this.mode !== 'log') this.screen.objects(this.objects);
+  }
+
+  /** Takes the run before the page was opened, if it is of the world that is shown. */
+  takePast({ resets, frames, robots, objects }: Past): void {
+    if (this.live.status?.resets !== resets) return;
+    const opened = this.history.range[0] || Infinity;
+    this.history.prepend(frames);
+    this.presentMarks.takePast(robots, opened);
+    for (const { robot, ...known } of robots) if (!this.robots.has(robot)) this.robots.set(robot, known);
+    this.takeObjects(objects);
+    if (this.mode !== 'log') this.screen.refilled();
   }
 
   takeFrame(frame: Frame, bytes: ArrayBuffer): void {
@@ -130,18 +149,25 @@ export class Playback {
   }
 
   takeStatus(status: Status): void {
-    if (this.live.status && this.live.status.resets !== status.resets) this.forgetObjects();
+    if (this.live.status && this.live.status.resets !== status.resets) this.forgetWorld();
     this.live.status = status;
     // The first status may come before the first frame. It is what later ones are compared with.
     this.presentMarks.take(this.live.frame?.time ?? 0, status);
     this.presentMarks.takePace(this.live.frame?.time ?? 0, status);
+    for (const robot of status.robots) this.robots.set(robot.id, robot);
     if (this.mode !== 'log') this.screen.status(status);
   }
 
-  /** A fresh world gives the same numbers to other objects. */
-  private forgetObjects(): void {
+  /** A fresh world gives the same numbers to other objects and robots. */
+  private forgetWorld(): void {
     this.objects = new Map();
-    if (this.mode !== 'log') this.screen.objects(this.objects);
+    this.robots = new Map();
+    if (this.mode !== 'log') this.showKnown();
+  }
+
+  private showKnown(): void {
+    this.screen.objects(this.objects);
+    this.screen.robots(this.robots);
   }
 
   takeLine(line: WireLine): void {
@@ -234,7 +260,7 @@ export class Playback {
     [this.player, this.mode, this.samples] = [null, 'live', []];
     const { scene, status, frame } = this.live;
     if (wasLog && scene) this.screen.scene(scene);
-    if (wasLog) this.screen.objects(this.objects);
+    if (wasLog) this.showKnown();
     if (status) this.screen.status(status);
     this.screen.jumped();
     if (frame) this.screen.frame(frame);
@@ -270,6 +296,7 @@ export class Playback {
       const { port = 0, maps = [], names = [] } = this.live.scene ?? {};
       this.screen.scene({ ...log.scene, port, maps, names });
       this.screen.objects(new Map());
+      this.screen.robots(new Map());
       this.showStatus([]);
       if (log.damage) this.screen.said(`${file.name}: ${log.damage}: it is shown up to there`);
       this.rate = 1;

@@ -1,6 +1,7 @@
 /** State of the world that the page shows: the server's, or a log's. */
 
 import type { Frame, RobotState } from './protocol/frame';
+import type { Known } from './playback';
 import type { Status } from './protocol/live';
 import type { Pose, RobotClass, Scene, Solid } from './protocol/scene';
 import { bodyColour, colourOf } from './view/colours';
@@ -12,6 +13,8 @@ export class State {
   frame: Frame | null = null;
   /** Objects that the map does not have, by their numbers; also some that have been removed. */
   spawned: ReadonlyMap<number, Solid> = new Map();
+  /** Robots that are or were in the world, by their numbers. */
+  met: ReadonlyMap<number, Known> = new Map();
   /** Number of the robot that is looked at. */
   selected: number | null = null;
   /** Number of the object that is chosen in place of the robot. */
@@ -44,7 +47,12 @@ export class State {
   }
 
   classOf(id: number | null): RobotClass | null {
-    const robot = this.robot(id);
+    const robot = this.known(id);
+  /** Class and name of a robot, also of one that has left. */
+  known(id: number | null): Known | null {
+    return this.robot(id) ?? (id === null ? null : (this.met.get(id) ?? null));
+  }
+
     return (robot && this.scene?.classes[robot.class]) ?? null;
   }
 
@@ -97,12 +105,12 @@ export class State {
   /** A robot's colour, which goes by its name and is unlike its body. */
   colourOf(id: number): string {
     const robotClass = this.classOf(id);
-    return colourOf({ id, name: this.robot(id)?.name ?? '' }, robotClass && bodyColour(robotClass));
+    return colourOf({ id, name: this.known(id)?.name ?? '' }, robotClass && bodyColour(robotClass));
   }
 
   /** A robot's name for people. */
   nameOf(id: number): string {
-    const robot = this.robot(id);
+    const robot = this.known(id);
     return robot?.name || `${robot?.class ?? 'robot'} #${id}`;
   }
 }

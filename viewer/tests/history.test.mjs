@@ -23,6 +23,33 @@ test('the whole run can be looked at, the last minute frame by frame', () => {
   assert.ok(kept > 3000 && kept <= 5400, `${kept} frames`);
 });
 
+test('frames of the time before the page was opened come before its own', () => {
+  const history = new History();
+  for (const time of [10, 10.1, 10.2]) history.add(time, frameBytes(time));
+  history.prepend([0, 4, 8, 10, 12].map((time) => frameBytes(time)));
+  assert.deepEqual(
+    history.sample(10).map(({ time }) => time),
+    [0, 4, 8, 10, 10.1, 10.2],
+  );
+  const marks = new Marks();
+  marks.takePast(
+    [
+      { robot: 1, class: 'P3AT', name: 'Ann', came: 3, left: 7 },
+      { robot: 2, class: 'P3AT', name: '', came: 5, left: 0 },
+      { robot: 3, class: 'P3AT', name: 'Bob', came: 0, left: 11 },
+    ],
+    10,
+  );
+  assert.deepEqual(
+    marks.list.map(({ time, what }) => [time, what]),
+    [
+      [3, 'Ann came'],
+      [5, 'P3AT #2 came'],
+      [7, 'Ann left'],
+    ],
+  );
+});
+
 test('a world with huge frames keeps what fits', () => {
   const history = new History();
   for (let frame = 0; frame < 400; frame++) {

@@ -59,7 +59,7 @@ function screen() {
   const ignore = () => {};
   const seen = { scene: null, objects: new Map(), frame: null };
   const keep = Object.fromEntries(Object.keys(seen).map((name) => [name, (value) => (seen[name] = value)]));
-  const others = ['present', 'refilled', 'scan', 'status', 'line', 'jumped', 'changed', 'said'];
+  const others = ['robots', 'present', 'refilled', 'scan', 'status', 'line', 'jumped', 'changed', 'said'];
   const listener = { ...keep, ...Object.fromEntries(others.map((name) => [name, ignore])) };
   return { seen, listener: { ...listener, shownTime: () => seen.frame?.time ?? 0 } };
 }

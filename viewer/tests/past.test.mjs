@@ -204,3 +204,35 @@ pageTest('a key goes back by a frame, and another one returns to the present', r
   await page.keyboard.press('End');
   await page.waitForSelector('#past', { state: 'hidden' });
 });
+
+pageTest(
+  'a page that opens late has the run from its beginning, with who has left',
+  rough,
+  async ({ page, server }) => {
+    const early = 'INIT {ClassName USARBot.P3AT} {Name Early} {Start RobotStart1}';
+    const client = await connectClient(server.port, early, 'DRIVE {Left 2} {Right 2}');
+    await client.reaches(3);
+    client.end();
+    await page.waitForSelector('.mark[title$="Early left"]', { state: 'attached' });
+    const { page: late, errors } = await openPage(page.context().browser(), server.url, {
+      reducedMotion: 'reduce',
+    });
+    for (const what of ['came', 'left']) {
+      await late.waitForSelector(`.mark[title$="Early ${what}"]`, { state: 'attached' });
+    }
+    const { min, max } = await late.locator('#timeline').evaluate(({ min, max }) => ({ min: +min, max: +max }));
+    assert.ok(min < 1.5, `the past begins at ${min} s`);
+    await look(late, (2.5 - min) / (max - min));
+    await late.waitForSelector(BAND);
+    await late.waitForFunction(() => {
+      const label = [...document.querySelectorAll('.view-label.robot')].find((it) => it.textContent === 'Early');
+      return label && Number(label.style.opacity) > 0;
+    });
+    // It began anew: nothing of the run before is left.
+    await page.click('#reset');
+    await late.waitForFunction(() => Number(document.querySelector('#timeline').max) < 2.5);
+    assert.equal(await late.locator('.mark[title$="Early left"]').count(), 0);
+    assert.deepEqual(errors, []);
+    await late.context().close();
+  },
+);

@@ -8,6 +8,7 @@ pub(crate) mod job;
 pub(crate) mod journal;
 pub(crate) mod live;
 pub(crate) mod log;
+pub(crate) mod past;
 pub(crate) mod present;
 pub(crate) mod publisher;
 pub(crate) mod results;

@@ -7,7 +7,7 @@ use prost::Message as _;
 use scene::{Contact, Pose, PullSnapshot, RobotDef, RobotSnapshot, Snapshot, WorldDef};
 
 use crate::pb::message::Content;
-use crate::pb::{Frame, Message, Placed, Pull, Robot, Scan, Wheel};
+use crate::pb::{Frame, Message, Past, Placed, Pull, Robot, Scan, Wheel};
 
 /// Most contacts of one robot that are published, the strongest first.
 const MAX_CONTACTS: usize = 64;
@@ -35,6 +35,11 @@ pub fn frame(scene: &WorldDef, snapshot: &Snapshot) -> Vec<u8> {
     let line = |it: &PullSnapshot| floats(&it.from).chain(floats(&it.to)).collect();
     let pulls = pulls.map(|it| Pull { line: line(it), force: it.force.norm() as f32 }).collect();
     encode(Content::Frame(Frame { time: snapshot.time, robots, objects, pulls }))
+}
+
+/// Encodes a part of a run. One after the other, parts are the whole.
+pub fn past(part: &Past) -> Vec<u8> {
+    part.encode_to_vec()
 }
 
 /// Encodes a sensor's ranges as a scan; `None` if the robot's class has no such sensor.

@@ -13,7 +13,7 @@ mod page_scene;
 pub mod pb;
 
 pub use control::{Actor, check_real_time_factor};
-pub use frame::{encode, frame, scan};
+pub use frame::{encode, frame, past, scan};
 pub use live::{
     ClientStatus, Control, Fit, LeagueStatus, Line, Listen, Measured, Message, Request, RobotStatus, Status, Wanted,
 };

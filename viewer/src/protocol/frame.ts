@@ -4,7 +4,7 @@
 
 import { PbfReader } from 'pbf';
 import * as live from './live.pb.js';
-import type { Pose, Vector } from './scene';
+import type { Pose, Spawned, Vector } from './scene';
 
 export interface WheelState {
   /** rad */
@@ -97,6 +97,18 @@ export interface Picture {
   field_of_view: number;
 }
 
+/** The run before the page was opened. */
+export interface Past {
+  /** Number of times that the world started over before it. */
+  resets: number;
+  /** Frames from all of it, the oldest first, as `readMessage` takes them. */
+  frames: ArrayBuffer[];
+  /** Robots that are in them. */
+  robots: live.Known[];
+  /** Objects that are in them and not in the map. */
+  objects: Spawned[];
+}
+
 /** Unit of a force, N. */
 const FORCE_UNIT = 0.25;
 /** Unit of a slip, m/s. */
@@ -123,6 +135,15 @@ export function readMessage(bytes: ArrayBuffer): { frame: Frame } | { scan: Scan
     return { picture: { ...picture, png: picture.png ?? new Uint8Array() } };
   }
   return null;
+}
+
+export function readPast(bytes: ArrayBuffer): Past {
+  const { frames, objects, ...past } = live.readPast(new PbfReader(bytes), bytes.byteLength);
+  return {
+    ...past,
+    frames: frames.map((frame) => frame.slice().buffer),
+    objects: objects === '' ? [] : (JSON.parse(objects) as Spawned[]),
+  };
 }
 
 function readRobot(robot: live.Robot): RobotState {

@@ -69,3 +69,20 @@ export interface Picture {
   field_of_view: number;
 }
 export function readPicture(pbf: PbfReader, end?: number): Picture;
+
+export interface Past {
+  resets: number;
+  frames: Uint8Array<ArrayBuffer>[];
+  robots: Known[];
+  objects: string;
+}
+export function readPast(pbf: PbfReader, end?: number): Past;
+
+export interface Known {
+  robot: number;
+  class: string;
+  name: string;
+  came: number;
+  left: number;
+}
+export function readKnown(pbf: PbfReader, end?: number): Known;

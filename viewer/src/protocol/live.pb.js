@@ -100,3 +100,28 @@ export function readPicture(pbf, end) {
     }
     return obj;
 }
+
+export function readPast(pbf, end) {
+    const obj = {resets: 0, frames: [], robots: [], objects: ""};
+    let field;
+    while ((field = pbf.nextField(end))) {
+        if (field === 1) obj.resets = pbf.readVarint();
+        else if (field === 2) obj.frames.push(pbf.readBytes());
+        else if (field === 3) obj.robots.push(readKnown(pbf, pbf.readVarint() + pbf.pos));
+        else if (field === 4) obj.objects = pbf.readString();
+    }
+    return obj;
+}
+
+export function readKnown(pbf, end) {
+    const obj = {robot: 0, class: "", name: "", came: 0, left: 0};
+    let field;
+    while ((field = pbf.nextField(end))) {
+        if (field === 1) obj.robot = pbf.readVarint();
+        else if (field === 2) obj.class = pbf.readString();
+        else if (field === 3) obj.name = pbf.readString();
+        else if (field === 4) obj.came = pbf.readDouble();
+        else if (field === 5) obj.left = pbf.readDouble();
+    }
+    return obj;
+}

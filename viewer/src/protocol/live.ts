@@ -1,6 +1,6 @@
 /** The connection that shows the world and controls its time, its start and its log. It comes back by itself. */
 
-import { type Frame, type Picture, type Scan, readMessage } from './frame';
+import { type Frame, type Past, type Picture, type Scan, readMessage } from './frame';
 import { ClassQuestions } from './classes';
 import { FitQuestions } from './fit';
 import type { Control, Fit, FitAnswer, Message, Reading, Request, Status, WireLine } from './live.gen';
@@ -19,6 +19,8 @@ export interface Listener {
   /** Takes the objects that the map does not have. */
   objects(objects: Spawned[]): void;
   frame(frame: Frame, bytes: ArrayBuffer): void;
+  /** Takes the run before the connection began. */
+  past(past: Past): void;
   scan(scan: Scan): void;
   picture(picture: Picture): void;
   status(status: Status): void;
@@ -46,6 +48,8 @@ export class Live {
   /** The last status of this connection. */
   private status: Status | null = null;
   private isSceneStale = false;
+  /** True if this connection has asked for the run before it. */
+  private isPastAsked = false;
   private heard = 0;
   /** Name that the server gives this page. */
   private you = '';
@@ -134,7 +138,7 @@ export class Live {
       else this.retry();
       return;
     }
-    [this.status, this.isSceneStale] = [null, false];
+    [this.status, this.isSceneStale, this.isPastAsked] = [null, false, false];
     this.heard = performance.now();
     this.fits.restart();
     this.objects.restart();
@@ -179,6 +183,26 @@ export class Live {
     if (status.resets !== before?.resets || status.objects !== before.objects) this.objects.ask();
   }
 
+  private takeFrame(frame: Frame, bytes: ArrayBuffer): void {
+    this.listener.frame(frame, bytes);
+    // It is known by now which world it is, and from when on.
+    if (!this.status || this.isPastAsked) return;
+    this.isPastAsked = true;
+    void this.fetchPast();
+  }
+
+  private async fetchPast(): Promise<void> {
+    const { connection } = this;
+    try {
+      const past = await this.transport.past();
+      if (connection !== this.connection || this.isSceneStale) return;
+      for (const robot of past.robots) void this.classes.want(robot.class);
+      this.listener.past(past);
+    } catch {
+      // The page has its own past from here on.
+    }
+  }
+
   /** The server shows another map: nothing of the new one is shown before its scene is there. */
   private async fetchAnotherScene(): Promise<void> {
     this.isSceneStale = true;
@@ -199,7 +223,7 @@ export class Live {
     if (typeof data !== 'string') {
       const message = data.byteLength > 0 ? readMessage(data) : null;
       if (this.isSceneStale) return;
-      if (message && 'frame' in message) this.listener.frame(message.frame, data);
+      if (message && 'frame' in message) this.takeFrame(message.frame, data);
       else if (message && 'scan' in message) this.listener.scan(message.scan);
       else if (message) this.listener.picture(message.picture);
       return;

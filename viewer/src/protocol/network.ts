@@ -1,5 +1,6 @@
 /** Transport over HTTP and WebSockets, to the server that the page comes from. */
 
+import { readPast } from './frame';
 import type { RobotClass, ScenarioCard, Scene, Spawned } from './scene';
 import { fetchWithToken } from './token';
 import type { Opened, Transport } from './transport';
@@ -8,6 +9,7 @@ export const network: Transport = {
   scene: async () => (await json('scene.json')) as Scene,
   robotClass: async (name) => (await json(`class/${encodeURIComponent(name)}`)) as RobotClass,
   objects: async () => (await json('objects.json')) as Spawned[],
+  past: async () => readPast(await (await fetchWithToken('past')).arrayBuffer()),
   sceneOfLog: async (world) => (await json('scene.json', { method: 'POST', body: world })) as Scene,
   scenarios: async () => (await json('scenarios.json')) as ScenarioCard[],
   async demo(scenario) {

@@ -1,5 +1,6 @@
 /** Way between the page and a server. `network.ts` has the one over HTTP and WebSockets. */
 
+import type { Past } from './frame';
 import type { RobotClass, ScenarioCard, Scene, Spawned } from './scene';
 
 export interface Transport {
@@ -8,6 +9,8 @@ export interface Transport {
   robotClass(name: string): Promise<RobotClass>;
   /** Returns the objects that the map does not have. */
   objects(): Promise<Spawned[]>;
+  /** Returns frames of the run so far. */
+  past(): Promise<Past>;
   /** Returns the scene that the server makes of a log's world, in JSON. */
   sceneOfLog(world: string): Promise<Scene>;
   /** Returns the scenarios that the server offers. */

@@ -3,15 +3,18 @@
 //!
 //! Requests of foreign pages are refused ([`crate::access::origin`]). No CORS header is ever sent, and the page cannot be framed.
 
+use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 
+use axum::body::Body;
 use axum::extract::{DefaultBodyLimit, Path, Request, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Extension, Router};
+use futures_util::stream;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use served_world::Question;
@@ -45,6 +48,7 @@ impl Page {
             .route("/scene.json", get(scene).post(log_scene::answer))
             .route("/class/{name}", get(class))
             .route("/objects.json", get(objects))
+            .route("/past", get(past))
             .route("/league.json", get(league))
             .route("/scenarios.json", get(scenarios))
             .route("/scenario/{name}/demo.mcap", get(demo))
@@ -105,6 +109,13 @@ async fn class(State(site): State<Arc<Site>>, Path(name): Path<String>, headers:
 /// Answers with the objects beside the map's.
 async fn objects(State(site): State<Arc<Site>>) -> Response {
     json(site.channels.objects())
+}
+
+/// Answers with frames of the run so far. All answers share their bytes.
+async fn past(State(site): State<Arc<Site>>) -> Response {
+    let parts = site.channels.past().into_iter().map(Ok::<_, Infallible>);
+    let body = Body::from_stream(stream::iter(parts));
+    ([(header::CONTENT_TYPE, "application/x-protobuf"), (header::CACHE_CONTROL, "no-store")], body).into_response()
 }
 
 async fn scenarios(State(site): State<Arc<Site>>) -> Response {

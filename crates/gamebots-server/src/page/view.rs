@@ -170,6 +170,7 @@ fn show(mut live: Broadcast, def: &WorldDef, moments: &Receiver<Moment>, request
         if let Some(due) = live.due(now) {
             let status = due.status.then(|| status(&shown, speed));
             live.publish(now, def, &shown, status);
+        live.remember(now, def, shown.time, || shown.clone());
         }
     }
 }

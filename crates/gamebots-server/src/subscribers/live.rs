@@ -18,6 +18,7 @@ use tokio::sync::{broadcast, watch};
 
 use crate::subscribers::board::Board;
 use crate::subscribers::cameras::{Cameras, Demand, Picture, Wish};
+use crate::subscribers::past::{Past, Run};
 use crate::subscribers::subscriber::{Moment, Subscriber};
 
 /// Real time between two frames.
@@ -36,7 +37,7 @@ pub(crate) struct Due {
 }
 
 /// The receiving ends of the channels, for viewers.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub(crate) struct Channels {
     frames: watch::Receiver<Bytes>,
     statuses: watch::Receiver<Arc<str>>,
@@ -52,6 +53,7 @@ pub(crate) struct Channels {
     scene: watch::Receiver<Bytes>,
     /// Objects beside the map's, as JSON.
     objects: watch::Receiver<Bytes>,
+    run: Run,
 }
 
 impl Channels {
@@ -61,6 +63,11 @@ impl Channels {
 
     pub(crate) fn objects(&self) -> Bytes {
         self.objects.borrow().clone()
+    }
+
+    /// Returns the parts of the run so far, see [`page_protocol::pb::Past`].
+    pub(crate) fn past(&self) -> Vec<Bytes> {
+        self.run.parts()
     }
 
     pub(crate) fn frames(&self) -> watch::Receiver<Bytes> {
@@ -116,6 +123,7 @@ pub(crate) struct Broadcast {
     scenes: u64,
     cameras: Cameras,
     objects: watch::Sender<Bytes>,
+    past: Past,
     /// Objects beside the map's at the last frame, and the number of changes of that list.
     spawned: (Vec<ObjectSnapshot>, u64),
     /// Time of each sensor's last published scan.
@@ -139,7 +147,7 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>, bo
     let ((readings, _), (scans, _)) = (broadcast::channel(MAX_BEHIND), broadcast::channel(MAX_SCANS));
     let (scene, scene_end) = watch::channel(scene(world, about.as_ref()));
     let (objects, objects_end) = watch::channel(Bytes::from_static(b"[]"));
-    let cameras = Cameras::new(board);
+    let (cameras, past) = (Cameras::new(board), Past::new(now));
     let channels = Channels {
         demand: cameras.demand(),
         pictures: cameras.pictures(),
@@ -151,6 +159,7 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>, bo
         readings: readings.clone(),
         scene: scene_end,
         objects: objects_end,
+        run: past.run(),
     };
     let scanned = BTreeMap::new();
     let (next_frame, next_status) = (now, now);
@@ -167,6 +176,7 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>, bo
         scenes: 0,
         cameras,
         objects,
+        past,
         spawned: (Vec::new(), 0),
         scanned,
         viewers: 0,
@@ -231,6 +241,19 @@ impl Broadcast {
             let objects = self.spawned.1;
             let status = Status { scene, objects, viewers, ..status };
             self.statuses.send_replace(Message::Status(status).text().into());
+        }
+    }
+
+    /// Keeps a frame of the run for pages that open later, if it is time.
+    pub(crate) fn remember(
+        &mut self,
+        now: Instant,
+        scene: &WorldDef,
+        time: f64,
+        snapshot: impl FnOnce() -> Arc<Snapshot>,
+    ) {
+        if self.about.is_some() && self.past.is_due(now, time) {
+            self.past.keep(now, scene, &snapshot());
         }
     }
 
@@ -330,8 +353,15 @@ impl Subscriber for Broadcast {
         }
     }
 
+    fn publish(&mut self, moment: &mut Moment) -> Vec<String> {
+        let (world, now) = (moment.world, moment.now);
+        self.remember(now, world.def(), world.time(), || moment.snapshot());
+        Vec::new()
+    }
+
     fn start_over(&mut self, moment: &mut Moment, old: &World) -> Vec<String> {
         self.cameras.start_over();
+        self.past.start_over();
         if !moment.world.scene().is_copy_of(old.scene()) {
             self.show(moment.world.def());
         }
