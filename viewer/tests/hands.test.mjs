@@ -71,6 +71,37 @@ pageTest('a chosen object shows its facts and is pulled by a spring', rough, asy
   controller.end();
 });
 
+pageTest(
+  'a finger that rests on a thing takes it, and asks for the menu if it does not move',
+  {
+    ...rough,
+    page: { ...rough.page, hasTouch: true },
+  },
+  async ({ page, server }) => {
+    const controller = await crateFromAbove(page, server);
+    await waitForPlace(page, (at) => Math.abs(at.z + 0.25) < 0.01);
+    const session = await page.context().newCDPSession(page);
+    const touch = (type, ...points) =>
+      session.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+    const [x, y] = await middle(page);
+    await touch('touchStart', [x, y]);
+    await page.waitForSelector('canvas.grabbing');
+    await touch('touchMove', [x + 90, y]);
+    await waitForPlace(page, (at) => Math.hypot(at.x, at.y) > 0.2);
+    await touch('touchStart', [x + 90, y], [x - 90, y]);
+    await touch('touchMove', [x + 90, y - 150], [x - 90, y]);
+    await waitForPlace(page, (at) => at.z < -0.3);
+    await touch('touchEnd', [x + 90, y - 150]);
+    await touch('touchEnd');
+    await page.waitForSelector('.view-label.pull', { state: 'detached' });
+    await touch('touchStart', [x, y]);
+    await page.waitForSelector('canvas.grabbing');
+    await touch('touchEnd');
+    await page.waitForSelector('[role=menu]');
+    controller.end();
+  },
+);
+
 pageTest('an object is moved and turned exactly while time stands still', rough, async ({ page, server }) => {
   const controller = await crateFromAbove(page, server);
   await waitForPlace(page, (at) => Math.abs(at.z + 0.25) < 0.01);

@@ -1,4 +1,7 @@
-/** Pointer in the view: a click chooses a thing or places a robot. A drag on the chosen thing pulls it, moves it while time stands still, or leads its arm. */
+/**
+ * Pointer in the view: a click chooses a thing or places a robot. A drag on the chosen thing pulls it, moves it while time stands still, or
+ * leads its arm. A finger first rests on it; if it goes without having moved, it asks for the menu.
+ */
 
 import type { Fit, FitAnswer } from '../protocol/fit';
 import type { Vector } from '../protocol/scene';
@@ -12,12 +15,20 @@ import { type Placing, spawnPlace } from './spawn';
 /** A press that moves farther is no click, px. */
 const CLICK_REACH = 5;
 
+/** Time after which a finger that rests on a thing has it, ms. */
+const REST = 450;
+
 /** Two places that are nearer are one, m. */
 const SAME = 0.002;
 
 export class Pointer {
   private placing: Placing = null;
   private pressed: PointerEvent | null = null;
+  /** A finger that may come to rest, and true once it has. */
+  private resting: ReturnType<typeof setTimeout> | undefined;
+  private hasRested = false;
+  /** True while a second finger lifts what the first one has. */
+  private isLifting = false;
   /** The thing in the hand. */
   private dragged: Thing | null = null;
   /** Place to which it is pulled. */
@@ -28,6 +39,7 @@ export class Pointer {
   /** Place of the ghost, and the server's last answer. */
   private shown: Vector | null = null;
   private answer: FitAnswer | null = null;
+  private readonly canvas = find('canvas');
   private readonly hint = find('placing');
 
   constructor(
@@ -39,7 +51,7 @@ export class Pointer {
     private readonly menu: (hit: Hit, x: number, y: number) => void,
     private readonly askFit: (fit: Fit) => void,
   ) {
-    const canvas = find('canvas');
+    const { canvas } = this;
     // Before the camera's own listener, which turns the view unless a robot is dragged.
     canvas.addEventListener('pointerdown', (event) => this.down(event), true);
     canvas.addEventListener('pointermove', (event) => this.over(event));
@@ -89,9 +101,32 @@ export class Pointer {
   }
 
   private down(event: PointerEvent): void {
+    clearTimeout(this.resting);
+    if (this.dragged) {
+      this.isLifting = true;
+      return;
+    }
     this.pressed = event;
-    // Fingers turn the view: they would take things by mistake.
-    if (event.button !== 0 || this.placing || event.pointerType === 'touch') return;
+    this.hasRested = false;
+    if (event.button !== 0 || this.placing) return;
+    // A finger that moves at once turns the view.
+    if (event.pointerType === 'touch') this.resting = setTimeout(() => this.rest(event), REST);
+    else this.take(event);
+  }
+
+  /** A finger rests on a thing: it is chosen, and taken. */
+  private rest(event: PointerEvent): void {
+    const hit = this.view.pick(event.clientX, event.clientY);
+    if (!hit) return;
+    this.hasRested = true;
+    this.canvas.classList.add('grabbing');
+    navigator.vibrate?.(15);
+    if ('ground' in hit) return;
+    if (!this.isChosen(hit)) this.choose(hit);
+    this.take(event);
+  }
+
+  private take(event: PointerEvent): void {
     const hit = this.view.pick(event.clientX, event.clientY);
     if (!hit || 'ground' in hit || !this.isChosen(hit)) return;
     if (!this.leading.take(hit) && !this.hands.take(hit, hit.place)) return;
@@ -100,7 +135,8 @@ export class Pointer {
     this.turned = 0;
     this.last = event.clientX;
     this.view.holdCamera(true);
-    find('canvas').setPointerCapture(event.pointerId);
+    this.canvas.classList.add('grabbing');
+    this.canvas.setPointerCapture(event.pointerId);
   }
 
   private isChosen(thing: Thing): boolean {
@@ -109,6 +145,7 @@ export class Pointer {
   }
 
   private over(event: PointerEvent): void {
+    if (this.hasMoved(event)) clearTimeout(this.resting);
     if (this.dragged) return this.drag(event);
     if (!this.placing) return;
     const place = this.view.groundAt(event.clientX, event.clientY);
@@ -118,10 +155,11 @@ export class Pointer {
     this.askFit({ class: this.placing.robotClass, location: spawnPlace(place), yaw: 0 });
   }
 
-  /** Pulls in the plane of the floor; with Shift up and down, and with Ctrl about the vertical. */
+  /** Pulls in the plane of the floor; with Shift or a second finger up and down, and with Ctrl about the vertical. */
   private drag(event: PointerEvent): void {
-    const { clientX: x, clientY: y, shiftKey: isLifting, ctrlKey: isTurning } = event;
-    if (!this.dragged || !this.to || !this.hasMoved(event)) return;
+    const { clientX: x, clientY: y, ctrlKey: isTurning } = event;
+    const isLifting = event.shiftKey || this.isLifting;
+    if (!this.dragged || !this.to || this.isOther(event) || !this.hasMoved(event)) return;
     if (this.isPut) {
       const place = this.view.groundAt(x, y);
       if (place) this.view.showGhost(this.state.robot(this.robot)?.class ?? null, place);
@@ -144,6 +182,12 @@ export class Pointer {
   }
 
   private up(event: PointerEvent): void {
+    clearTimeout(this.resting);
+    if (this.dragged && this.isOther(event)) {
+      this.isLifting = false;
+      return;
+    }
+    this.canvas.classList.remove('grabbing');
     if (this.dragged && this.hasMoved(event)) {
       const place = this.isPut ? this.view.groundAt(event.clientX, event.clientY) : null;
       if (place) this.hands.putDown(place);
@@ -161,11 +205,13 @@ export class Pointer {
       return;
     }
     const hit = this.view.pick(event.clientX, event.clientY);
-    if (event.button === 2 && hit) this.menu(hit, event.clientX, event.clientY);
+    if ((event.button === 2 || this.hasRested) && hit) this.menu(hit, event.clientX, event.clientY);
     else if (event.button === 0) this.choose(hit && !('ground' in hit) ? hit : null);
   }
 
   private cancel(): void {
+    clearTimeout(this.resting);
+    this.canvas.classList.remove('grabbing');
     this.hands.release();
     this.letGo();
     this.place(null);
@@ -173,9 +219,15 @@ export class Pointer {
 
   private letGo(): void {
     this.leading.release();
+    this.isLifting = false;
     this.dragged = this.to = null;
     this.view.showGhost(null);
     this.view.holdCamera(false);
+  }
+
+  /** True if an event is of another finger than the one that has the thing. */
+  private isOther(event: PointerEvent): boolean {
+    return event.pointerId !== this.pressed?.pointerId;
   }
 
   private hasMoved({ clientX, clientY }: PointerEvent): boolean {
