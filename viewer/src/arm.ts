@@ -223,6 +223,18 @@ export function reachToGrip(robotClass: RobotClass, starts: readonly number[][],
   return best;
 }
 
+/** Returns positions that bring the gripper so far from where positions have it, m, along the robot's axes and turned as it is; null out of reach. */
+export function nudged(robotClass: RobotClass, positions: readonly number[], by: Vector): number[] | null {
+  const [gripper] = robotClass.grippers;
+  if (gripper?.link == null) return null;
+  const matrix = placed(robotClass, positions)[gripper.link] ?? new THREE.Matrix4();
+  const place = new THREE.Vector3(...gripper.middle).applyMatrix4(matrix).add(new THREE.Vector3(...by));
+  const facing = new THREE.Quaternion().setFromRotationMatrix(matrix);
+  const wish = { link: gripper.link, grip: gripper.middle, to: place.toArray(), facing };
+  const reached = reach(robotClass, positions, wish);
+  return reached.way < FITS.way ? reached.positions : null;
+}
+
 /** Poses of a gripper; null for what the arm does not reach. */
 interface GripPoses {
   /** Just above the floor ahead, to pick something up. */

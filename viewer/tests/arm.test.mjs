@@ -7,7 +7,7 @@ import { runnerImport } from 'vite';
 import { root } from './server.mjs';
 
 const module = async (name) => (await runnerImport(join(root, `viewer/src/${name}.ts`))).module;
-const { reach, moversOf } = await module('arm');
+const { reach, moversOf, nudged } = await module('arm');
 const { markWaiting, plainError } = await module('code/lines');
 const { readingIn } = await module('protocol/line');
 
@@ -28,7 +28,7 @@ const arm = {
     { name: 'hand', axis: [0, -1, 0], min: -2, max: 2, unit: 'rad' },
     { name: 'finger', axis: [0, 1, 0], min: 0, max: 0.1, unit: 'm' },
   ],
-  grippers: [{ name: 'grip', joints: ['finger'] }],
+  grippers: [{ name: 'grip', joints: ['finger'], link: 3, middle: [0, 0, -1] }],
 };
 const TIP = [0, 0, -1];
 
@@ -50,6 +50,26 @@ test('joints bring the tip to what is in reach, within their limits, and as near
     assert.equal(positions[4], 0, 'fingers only grip');
     assert.deepEqual(reach(arm, from, { link: 3, grip: TIP, to, facing: null }).positions, positions);
   }
+});
+
+test('the hand is moved by a centimetre along an axis of the robot, and not out of its reach', () => {
+  let positions = [0, 0.4, 0.5, 0.3, 0];
+  const ahead = nudged(arm, positions, [0.01, 0, 0]);
+  assert.notDeepEqual(ahead, positions);
+  // There and back again on all axes.
+  for (const way of [
+    [0.01, 0, 0],
+    [0, 0.01, 0],
+    [0, 0, -0.01],
+    [-0.01, 0, 0],
+    [0, -0.01, 0],
+    [0, 0, 0.01],
+  ]) {
+    positions = nudged(arm, positions, way);
+  }
+  [0, 0.4, 0.5, 0.3, 0].forEach((position, index) => assert.ok(Math.abs(positions[index] - position) < 0.01));
+  // Upright it is as long as it can be.
+  assert.equal(nudged(arm, [0, 0, 0, 0, 0], [0, 0, -0.01]), null);
 });
 
 test('a link is moved by the joints between it and the body, but not by fingers', () => {

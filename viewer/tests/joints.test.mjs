@@ -142,6 +142,15 @@ pageTest('poses of the gripper are offered, and its hand is led by a drag', stil
   await shows(page, '#joint-ArmJoint4', 1.79, 0.03);
   await page.click('.poses button:text-is("Pick")');
   await shows(page, '#joint-ArmJoint4', 0.87, 0.03);
+  // By keys alone: up by 8 cm and down again.
+  const hand = async (where) => {
+    await page.focus(`[aria-label="Hand ${where}"]`);
+    for (let press = 0; press < 8; press++) await page.keyboard.press('Enter');
+  };
+  await hand('up');
+  await page.waitForFunction(() => Math.abs(Number(document.querySelector('#joint-ArmJoint4').value) - 0.87) > 0.1);
+  await hand('down');
+  await shows(page, '#joint-ArmJoint4', 0.87, 0.03);
   await page.selectOption('#camera', 'top');
   await waitForView(page, ABOVE);
   // The hand is 0.37 m ahead of the robot's middle, and ahead is to the right of the screen.

@@ -1,9 +1,9 @@
 /** The joints of the robot that is driven: a slider and a number for each, poses that are kept, and two buttons for a gripper. */
 
-import { gripPoses } from '../arm';
+import { gripPoses, moversOf, nudged } from '../arm';
 import type { Client } from '../protocol/client';
 import type { RobotState } from '../protocol/frame';
-import type { Gripper, Joint, RobotClass } from '../protocol/scene';
+import type { Gripper, Joint, RobotClass, Vector } from '../protocol/scene';
 import { DEGREES } from '../values';
 import { fixed, make, remember, remembered, setText } from './dom';
 
@@ -23,6 +23,18 @@ const IN_DEGREES = { unit: '°', factor: DEGREES, digits: 1 };
 let isInDegrees = remembered('angles') === 'degrees';
 /** Poses of a class that are kept, at most. */
 const MOST_POSES = 8;
+/** Way of the hand at a press, m, and time between two while a button is held, ms. */
+const NUDGE = 0.01;
+const NUDGE_INTERVAL = 120;
+/** Ways of the hand along the robot's axes. */
+const NUDGES: [string, string, Vector][] = [
+  ['ahead', '↑', [1, 0, 0]],
+  ['back', '↓', [-1, 0, 0]],
+  ['left', '←', [0, -1, 0]],
+  ['right', '→', [0, 1, 0]],
+  ['up', '⤒', [0, 0, -1]],
+  ['down', '⤓', [0, 0, 1]],
+];
 /** A joint that stands farther than so many steps from its target has been stopped or moved by something else. */
 const ASTRAY = 20;
 /** Slower than this a joint stands, steps a second. */
@@ -76,10 +88,34 @@ export class JointsPanel {
       ...(carry ? [{ name: 'Carry', pose: ofSliders(carry), title: 'The gripper down, drawn in and raised' }] : []),
     ];
     this.rows = [...sliders, ...buttons];
-    const head = sliders.length > 0 ? [this.poses] : [];
+    const head: HTMLElement[] = sliders.length > 0 ? [this.poses] : [];
+    const link = grippers[0]?.link ?? null;
+    if (robotClass && link !== null && moversOf(robotClass, link).length > 2) head.push(this.handRow(robotClass));
     this.element.replaceChildren(...head, ...this.rows.map(({ element }) => element));
     this.offerPoses();
     this.showUnits();
+  }
+
+  /** Buttons that move the hand. */
+  private handRow(robotClass: RobotClass): HTMLElement {
+    const buttons = NUDGES.map(([where, sign, way]) => {
+      const title = `The hand ${where} by 1 cm; hold it for more`;
+      const button = make('button', { type: 'button', class: 'icon', title, 'aria-label': `Hand ${where}` }, sign);
+      repeat(button, () => {
+        const positions = robotClass.joints.map(
+          (_, index) => this.sliders.find((row) => row.index === index)?.aim ?? 0,
+        );
+        const next = nudged(robotClass, positions, way.map((part) => NUDGE * part) as Vector);
+        if (next) this.sliders.forEach((row) => row.moveTo(next[row.index] ?? row.aim));
+      });
+      return button;
+    });
+    return make(
+      'div',
+      { class: 'row hand', role: 'group', 'aria-label': 'Hand' },
+      make('span', {}, 'Hand'),
+      ...buttons,
+    );
   }
 
   private showUnits(): void {
@@ -142,6 +178,24 @@ export class JointsPanel {
   }
 }
 
+/** Acts at a press, by pointer or keys, and again and again while the pointer holds the button. */
+function repeat(button: HTMLElement, act: () => void): void {
+  let timer: ReturnType<typeof setInterval> | undefined;
+  button.onpointerdown = (event) => {
+    if (event.button !== 0) return;
+    act();
+    clearInterval(timer);
+    // The button may go while it is held, or be of no use.
+    timer = setInterval(() => {
+      if (button.isConnected && button.matches(':enabled')) act();
+      else clearInterval(timer);
+    }, NUDGE_INTERVAL);
+  };
+  button.onpointerup = button.onpointerleave = button.onpointercancel = () => clearInterval(timer);
+  // A key's click has no pointer.
+  button.onclick = ({ detail }) => detail === 0 && act();
+}
+
 class JointRow {
   readonly element: HTMLElement;
   private readonly unitText = make('span', { class: 'quiet unit' });
@@ -182,6 +236,11 @@ class JointRow {
 
   get name(): string {
     return this.joint.name;
+  }
+
+  /** Target of the joint, or its position if it has none. */
+  get aim(): number {
+    return this.target?.value ?? this.position;
   }
 
   /** Shows numbers in the unit that is chosen. */
@@ -241,7 +300,7 @@ class JointRow {
     // By itself the browser moves a hundredth of the range, or by `End` all of it.
     event.preventDefault();
     if (steps === undefined) return;
-    this.moveTo((this.target?.value ?? this.position) + steps * this.step);
+    this.moveTo(this.aim + steps * this.step);
     if (target === this.field && this.target) this.field.value = this.shown(this.target.value);
   }
 
