@@ -122,6 +122,27 @@ pageTest('in a frame the view has the room, and panels come when they are wanted
   await frame.locator('#world').waitFor();
 });
 
+pageTest('a robot that is driven out of the view takes the view along', {}, async ({ page }) => {
+  await spawnRobot(page, { robotClass: 'AirRobot' });
+  assert.equal(await page.inputValue('#camera'), 'orbit');
+  await page.keyboard.down('r');
+  await waitForNumber(page, '[data-value=z]', (z) => z < -8);
+  await page.keyboard.up('r');
+  const { left, right, top, bottom } = await page.evaluate(() => {
+    const [label, view] = ['.view-label.robot', '#canvas'].map((it) =>
+      document.querySelector(it).getBoundingClientRect(),
+    );
+    return {
+      left: label.left - view.left,
+      right: view.right - label.right,
+      top: label.top - view.top,
+      bottom: view.bottom - label.bottom,
+    };
+  });
+  assert.ok(Math.min(left, right, top, bottom) > 0, `${left} ${right} ${top} ${bottom}`);
+  assert.ok(await page.evaluate(() => Number(document.querySelector('.view-label.robot').style.opacity) > 0));
+});
+
 pageTest('propellers turn while a robot hovers', {}, async ({ page }) => {
   await spawnRobot(page, { robotClass: 'AirRobot' });
   await waitForScale(page, 0.5);

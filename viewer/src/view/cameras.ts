@@ -40,6 +40,8 @@ const DAMPING = 0.055;
 const LAG = 0.32;
 /** A turn over the picture's whole height, rad. */
 const HAND_TURN = Math.PI;
+/** Distance from the middle of the view at which a robot that leaves takes the view along, and beyond which it does not: parts of half the view. */
+const [EDGE, GONE] = [0.85, 1.3];
 /** First view of the map: angles, rad, and the part of the picture that it fills. */
 const FIRST = { yaw: 0.92, pitch: 0.66 };
 const FILL = 0.9;
@@ -217,11 +219,13 @@ export class Cameras {
   }
 
   private moveWithRobot(seconds: number): void {
-    const robot = this.mode === 'orbit' || this.mode === 'robot' || this.mode === 'top' ? null : this.world.robot();
+    const robot = this.mode === 'robot' ? null : this.world.robot();
     this.lagging = false;
     if (!robot) return;
-    const moved = robot.place.clone().sub(this.lastRobot ?? robot.place);
+    const last = this.lastRobot ?? robot.place;
+    const moved = robot.place.clone().sub(last);
     this.lastRobot = robot.place;
+    if (!this.followsRobot && !this.isLeaving(last, robot.place)) return;
     for (const place of [this.aim.target, this.about, this.flight?.to.target, this.flight?.from.target])
       place?.add(moved);
     if (this.mode !== 'chase' || this.flight) return;
@@ -231,6 +235,15 @@ export class Cameras {
     const turned = Math.atan2(Math.sin(way), Math.cos(way));
     this.aim.yaw += turned * part;
     this.lagging = Math.abs(turned) > 0.002 || far.length() > 0.002;
+  }
+
+  /** True if what moves from one place to another is about to leave the view. */
+  private isLeaving(from: THREE.Vector3, to: THREE.Vector3): boolean {
+    const [before, after] = [from, to].map((place) => {
+      const { x, y, z } = place.clone().project(this.camera);
+      return z < 1 ? Math.max(Math.abs(x), Math.abs(y)) : Infinity;
+    }) as [number, number];
+    return after > before && after > EDGE && after < GONE;
   }
 
   private begin(x: number, y: number): void {

@@ -8,7 +8,7 @@ export const LIGHT_FROM = new THREE.Vector3(-0.42, 0.3, 0.86).normalize();
 const MAP_SIZE = 1024;
 /** The least and the greatest half edge of what has shadows, m. */
 const LEAST_REACH = 1.5;
-const GREATEST_REACH = 30;
+const GREATEST_REACH = 90;
 
 export class Lights {
   readonly group = new THREE.Group();

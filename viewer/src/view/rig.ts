@@ -15,7 +15,7 @@ export interface Aim {
 /** The least height above the floor, and distances that can be chosen, m. */
 const LEAST_HEIGHT = 0.06;
 export const LEAST_DISTANCE = 0.15;
-export const GREATEST_DISTANCE = 200;
+export const GREATEST_DISTANCE = 400;
 const STEEPEST = Math.PI / 2;
 
 export function copyAim({ target, yaw, pitch, distance }: Aim): Aim {

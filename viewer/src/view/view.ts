@@ -30,6 +30,9 @@ export type { Roster } from './robots';
 
 /** Half the edge of what is shown of a map without anything, m, and the room about a robot, in its lengths. */
 const EMPTY_REACH = 2.5;
+/** Edge of a map that is too large to be seen whole at first, m, and from where its starts are seen then. */
+const LARGE = 60;
+const ASIDE = new THREE.Vector3(-14, -11, 5);
 const ROOM = 0.6;
 /** Interval between two moves of labels, ms, without a graphics card and while the camera stands. The browser paints them each time. */
 const LABEL_INTERVAL = 120;
@@ -170,7 +173,7 @@ export class View {
     labelMap(this.labels, scene);
     labelObjects(this.labels, objectsOf(scene), this.catalogue);
     this.shown.forEach((shown, layer) => this.show(layer, shown));
-    this.cameras.home(this.extent(), true);
+    this.showFirst(scene);
     const first = scene.scenario?.camera ?? null;
     this.cameras.wasTouched = first !== null;
     if (first) this.cameras.place(onStage(first.from), onStage(first.at));
@@ -631,6 +634,17 @@ export class View {
   /** Returns the box of the map and the robots, with a margin. */
   private extent(): THREE.Box3 {
     return (this.frame?.robots ?? []).reduce((box, { id }) => box.union(this.extentOf(id) ?? box), this.mapExtent());
+  }
+
+  /** Shows the map as at first: what is around the starts of one that is so large that robots would be dots, as somebody there would see it. */
+  private showFirst({ map: { starts } }: Scene): void {
+    const whole = this.extent();
+    const { x, y } = whole.getSize(new THREE.Vector3());
+    this.cameras.home(whole, true);
+    if (Math.max(x, y) <= LARGE || starts.length === 0) return;
+    const places = starts.map(({ position }) => onStage(position));
+    const middle = new THREE.Box3().setFromPoints(places).getCenter(new THREE.Vector3());
+    this.cameras.place(middle.clone().add(ASIDE), middle);
   }
 
   /** Returns the box of the map's finite parts, with a margin. */
