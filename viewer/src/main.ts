@@ -49,6 +49,8 @@ import { View } from './view/view';
 const PANEL_INTERVAL = { hardware: 100, software: 250 };
 const PLOT_INTERVAL = 250;
 /** Time between two frames, s. */
+/** Interval between two looks at own robots and gamepads, ms. */
+const DRIVE_INTERVAL = 100;
 const FRAME = 1 / 30;
 /** Distance of a copy of a robot, which stands beside what is in its way, m. */
 const COPY_DISTANCE = 1;
@@ -476,7 +478,7 @@ function showNumbers(): void {
   world.updateValues();
   objectPanel.update();
   tools.updateDepths();
-  drive.updateFrame();
+  drive.followJoints();
   wire.draw();
   const rate = view.framesPerSecond();
   setText(find('rate'), `Picture quality ${view.quality} of 5${rate === null ? '' : ` · ${rate} fps`}`);
@@ -558,3 +560,4 @@ find('view').addEventListener('dblclick', focusView);
 
 setInterval(() => plots.draw(), PLOT_INTERVAL);
 setInterval(showNumbers, view.isSoftware ? PANEL_INTERVAL.software : PANEL_INTERVAL.hardware);
+setInterval(() => drive.follow(), DRIVE_INTERVAL);

@@ -153,7 +153,8 @@ export class DrivePanel {
 
   updateScene(): void {
     this.form.updateScene();
-    this.updateFrame();
+    this.follow();
+    this.followJoints();
   }
 
   /** Releases the keys when another moment is shown. Nobody drives in the past or in a log. */
@@ -163,8 +164,8 @@ export class DrivePanel {
     this.followJoints();
   }
 
-  /** A frame has come: own robots may have arrived, starts may be free or taken. */
-  updateFrame(): void {
+  /** Follows the world: own robots may have arrived, starts may be free or taken, and a gamepad may be touched; to be called ten times a second. */
+  follow(): void {
     const robots = this.state.status?.robots ?? [];
     const expected = this.robots.filter(({ connection }) => connection === null);
     for (const own of expected) {
@@ -172,11 +173,13 @@ export class DrivePanel {
       if (!arrived || arrived.connection === null || !this.state.robotState(arrived.id)) continue;
       own.connection = arrived.connection;
       this.state.own.add(arrived.connection);
+      const wasTogether = this.isTogether;
       this.select(arrived.id, true);
+      // It was chosen while the robot was on its way.
+      if (wasTogether) this.drive(this.driven, true);
     }
     const waiting = this.robots.filter(({ connection }) => connection === null);
     this.form.update(waiting.map(({ client }) => client.spawn));
-    this.followJoints();
     this.readPad();
   }
 
@@ -232,7 +235,8 @@ export class DrivePanel {
     this.robots.push(own);
     this.drive(own);
     this.spawned();
-    this.updateFrame();
+    this.follow();
+    this.followJoints();
   }
 
   private remove(own: Own, what: string): void {
@@ -281,7 +285,8 @@ export class DrivePanel {
     this.list();
   }
 
-  private followJoints(): void {
+  /** Shows the joints as they are now. */
+  followJoints(): void {
     const { connection = null } = this.driven ?? {};
     const driven = this.state.status?.robots.find((robot) => connection !== null && robot.connection === connection);
     this.joints.update(this.state.robotState(driven?.id ?? null), this.state.isPresent);
