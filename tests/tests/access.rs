@@ -162,7 +162,7 @@ fn every_entrance_is_closed_without_the_right_token() {
     robot.send("INIT {ClassName USARBot.P3AT} {Name Rover} {Location 0,0,0}");
     robot.ground_truth();
     // Those who get in: without a token, with a wrong one, viewer, driver, referee.
-    let rows: [(Entrance, [bool; 5]); 20] = [
+    let rows: [(Entrance, [bool; 5]); 21] = [
         (Port("controllers", b"GETSTARTPOSES\r\n"), [false, false, false, true, true]),
         (Port("truth", b"\r\n"), [false, false, true, false, false]),
         (Port("positions", b"GETPOS\r\n"), [false, false, true, false, false]),
@@ -173,6 +173,7 @@ fn every_entrance_is_closed_without_the_right_token() {
         (Get("/class/P3AT"), [false, false, true, false, false]),
         (Get("/objects.json"), [false, false, true, false, false]),
         (Get("/past"), [false, false, true, false, false]),
+        (Get("/map/hall/picture.png"), [false, false, true, false, false]),
         (Get("/league.json"), [false, false, true, false, false]),
         (PostScene, [false, false, true, false, false]),
         (Get("/metrics"), [false, false, true, false, false]),

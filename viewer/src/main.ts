@@ -547,7 +547,7 @@ listenToKeys(possible, () => state.hasRobot || !state.isPresent);
 find('commands').onclick = () => showCommands(possible());
 find('help').onclick = () => showKeys(possible());
 find('theme').onclick = () => setTheme(document.documentElement.dataset.theme !== 'dark');
-find('map').onclick = () => offerMaps(state, live);
+find('map').onclick = () => offerMaps(state, live, transport);
 find('screenshot').onclick = () => void sharing.savePicture(null);
 find('share').onclick = () => sharing.open();
 find('toggle-plots').onclick = togglePlots;

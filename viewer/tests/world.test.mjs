@@ -147,6 +147,23 @@ pageTest('a log plays in the page, and the present comes back', rough, async ({ 
   await said(page, 'no.mcap: ');
 });
 
+pageTest('the maps to choose from have pictures', rough, async ({ page }) => {
+  await page.click('#map');
+  await page.waitForFunction(() => {
+    const pictures = [...document.querySelectorAll('[data-map] img')];
+    return pictures.length > 5 && pictures.every(({ complete, naturalWidth }) => complete && naturalWidth === 256);
+  });
+});
+
+pageTest('a chosen map shows its materials in place of a robot', { serve: ['--map', 'arena'] }, async ({ page }) => {
+  await spawnRobot(page);
+  await page.click('#map-row');
+  await page.waitForSelector('#map-facts:has-text("A step is 2 ms")');
+  await page.waitForSelector('#map-facts tr:has-text("plywood")');
+  await page.click('[data-robot]');
+  await page.waitForSelector('#map-facts', { state: 'hidden' });
+});
+
 pageTest('the map is changed, and robots of this page stay', rough, async ({ page }) => {
   await spawnRobot(page);
   await page.click('#map');

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use gamebots_proto::shown;
 use scene::MapDef;
 
 /// Most maps that come while the server runs. A newer one replaces the oldest.
@@ -53,16 +54,24 @@ impl Maps {
         self.lock().iter().map(|map| (map.name.clone(), map.description.clone())).collect()
     }
 
+    /// Finds a map by its name.
+    ///
+    /// # Errors
+    /// When there is none of that name.
+    pub(crate) fn find(&self, name: &str) -> Result<AvailableMap, String> {
+        let found = self.lock().iter().find(|map| map.name == name).cloned();
+        found.ok_or_else(|| {
+            let names: Vec<String> = self.list().into_iter().map(|(name, _)| name).collect();
+            format!("no map `{}`: expected {}", shown(name).escape_debug(), names.join(", "))
+        })
+    }
+
     /// Reads a map by its name.
     ///
     /// # Errors
     /// When there is none of that name, or it cannot be read.
     pub(crate) fn read(&self, name: &str) -> Result<MapDef, String> {
-        let found = self.lock().iter().find(|map| map.name == name).cloned();
-        let map = found.ok_or_else(|| {
-            let names: Vec<String> = self.list().into_iter().map(|(name, _)| name).collect();
-            format!("no map `{name}`: expected {}", names.join(", "))
-        })?;
+        let map = self.find(name)?;
         (map.read)().map_err(|reason| format!("not changed to the map {name}: {reason}"))
     }
 

@@ -3,6 +3,7 @@
 pub(crate) mod class;
 pub(crate) mod file;
 pub(crate) mod log_scene;
+pub(crate) mod map;
 pub(crate) mod metrics;
 pub(crate) mod open;
 pub(crate) mod opener;

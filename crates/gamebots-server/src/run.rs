@@ -22,6 +22,7 @@ use crate::door::accept::{self, Limit, listen};
 use crate::door::limits::{Limits, limits};
 use crate::error::ServeError;
 use crate::page::class::ClassPages;
+use crate::page::map::MapPictures;
 use crate::page::opener::Opener;
 use crate::page::packed::Packed;
 use crate::page::scenario::ScenarioPages;
@@ -290,6 +291,7 @@ fn site(
         packed: Packed::default(),
         classes: ClassPages::new(&config.world.robots),
         scenarios: ScenarioPages::new(config.scenarios.clone(), &config.world),
+        maps: MapPictures::new(config.maps.clone(), &config.world),
         opener: config
             .open
             .clone()

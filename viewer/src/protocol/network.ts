@@ -9,6 +9,7 @@ export const network: Transport = {
   scene: async () => (await json('scene.json')) as Scene,
   robotClass: async (name) => (await json(`class/${encodeURIComponent(name)}`)) as RobotClass,
   objects: async () => (await json('objects.json')) as Spawned[],
+  mapPicture: async (map) => (await fetchWithToken(`map/${encodeURIComponent(map)}/picture.png`)).blob(),
   past: async () => readPast(await (await fetchWithToken('past')).arrayBuffer()),
   sceneOfLog: async (world) => (await json('scene.json', { method: 'POST', body: world })) as Scene,
   scenarios: async () => (await json('scenarios.json')) as ScenarioCard[],

@@ -9,6 +9,8 @@ export interface Transport {
   robotClass(name: string): Promise<RobotClass>;
   /** Returns the objects that the map does not have. */
   objects(): Promise<Spawned[]>;
+  /** Returns the picture of a map that the server offers. */
+  mapPicture(map: string): Promise<Blob>;
   /** Returns frames of the run so far. */
   past(): Promise<Past>;
   /** Returns the scene that the server makes of a log's world, in JSON. */

@@ -11,6 +11,7 @@ use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
 use crate::access::rights::{Access, WorldControl};
 use crate::access::waiting_room::Stay;
 use crate::page::class::ClassPages;
+use crate::page::map::MapPictures;
 use crate::page::opener::Opener;
 use crate::page::packed::Packed;
 use crate::page::scenario::ScenarioPages;
@@ -54,6 +55,7 @@ pub(crate) struct Site {
     pub(crate) packed: Packed,
     pub(crate) classes: ClassPages,
     pub(crate) scenarios: ScenarioPages,
+    pub(crate) maps: MapPictures,
     /// Opener of the files of other programs, if the server opens any.
     pub(crate) opener: Option<Opener>,
     /// Number of pages opened so far; it numbers the pages.

@@ -49,6 +49,7 @@ impl Page {
             .route("/class/{name}", get(class))
             .route("/objects.json", get(objects))
             .route("/past", get(past))
+            .route("/map/{name}/picture.png", get(map_picture))
             .route("/league.json", get(league))
             .route("/scenarios.json", get(scenarios))
             .route("/scenario/{name}/demo.mcap", get(demo))
@@ -116,6 +117,10 @@ async fn past(State(site): State<Arc<Site>>) -> Response {
     let parts = site.channels.past().into_iter().map(Ok::<_, Infallible>);
     let body = Body::from_stream(stream::iter(parts));
     ([(header::CONTENT_TYPE, "application/x-protobuf"), (header::CACHE_CONTROL, "no-store")], body).into_response()
+}
+
+async fn map_picture(State(site): State<Arc<Site>>, Path(name): Path<String>) -> Response {
+    site.maps.answer(&name).await
 }
 
 async fn scenarios(State(site): State<Arc<Site>>) -> Response {

@@ -23,7 +23,9 @@ use crate::access::rights::WorldControl;
 use crate::config::{IfTaken, Listener, Service};
 use crate::door::accept::{self, Limit};
 use crate::error::ServeError;
+use crate::maps::Maps;
 use crate::page::class::ClassPages;
+use crate::page::map::MapPictures;
 use crate::page::packed::Packed;
 use crate::page::scenario::ScenarioPages;
 use crate::page::shared::{Framing, Site};
@@ -85,6 +87,7 @@ impl View {
             packed: Packed::default(),
             classes: ClassPages::new(&def.robots),
             scenarios: ScenarioPages::new(Scenarios::default(), def),
+            maps: MapPictures::new(Maps::default(), def),
             opener: None,
             pages: AtomicU64::new(0),
             framing: Framing::Local,
@@ -167,10 +170,10 @@ fn show(mut live: Broadcast, def: &WorldDef, moments: &Receiver<Moment>, request
             speed = ((shown.time - measured.1) / elapsed).max(0.0);
             measured = (now, shown.time);
         }
+        live.remember(now, def, shown.time, || shown.clone());
         if let Some(due) = live.due(now) {
             let status = due.status.then(|| status(&shown, speed));
             live.publish(now, def, &shown, status);
-        live.remember(now, def, shown.time, || shown.clone());
         }
     }
 }
