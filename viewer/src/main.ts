@@ -14,6 +14,7 @@ import { DrivePanel } from './panel/drive';
 import { Hands, type Thing } from './panel/hands';
 import { focusView, returnFocusAfterChoice } from './panel/keys';
 import { Leading } from './panel/leading';
+import { MapPanel } from './panel/map';
 import { changeMap, offerMaps } from './panel/maps';
 import { Mission } from './panel/mission';
 import { plainNotice } from './panel/notices';
@@ -48,9 +49,9 @@ import { View } from './view/view';
 /** Intervals between two updates of numbers, ms, with a graphics card and without one, where each costs as much as a frame; and of plots. */
 const PANEL_INTERVAL = { hardware: 100, software: 250 };
 const PLOT_INTERVAL = 250;
-/** Time between two frames, s. */
 /** Interval between two looks at own robots and gamepads, ms. */
 const DRIVE_INTERVAL = 100;
+/** Time between two frames, s. */
 const FRAME = 1 / 30;
 /** Distance of a copy of a robot, which stands beside what is in its way, m. */
 const COPY_DISTANCE = 1;
@@ -80,10 +81,10 @@ const playback = new Playback(transport.sceneOfLog, {
     state.spawned = objects;
     view.renewObjects();
   },
+  robots: (robots) => (state.met = robots),
   frame: showFrame,
   scan(scan) {
     view.setScan(scan);
-  robots: (robots) => (state.met = robots),
     plots.takeScan(scan);
   },
   picture: (picture) => pictures.take(picture),
@@ -143,6 +144,7 @@ const objectPanel = new ObjectPanel(state, hands, {
   look: (object) => view.lookAtObject(object),
   remove: removeChosen,
 });
+const mapPanel = new MapPanel(state);
 const leading = new Leading(
   state,
   (positions) => drive.moveJoints(positions),
@@ -204,11 +206,11 @@ const live = new Live(transport, {
   },
   objects: (objects) => playback.takeObjects(objects),
   frame: (frame, bytes) => playback.takeFrame(frame, bytes),
+  past: (past) => playback.takePast(past),
   scan: (scan) => playback.takeScan(scan),
   picture: (picture) => playback.takePicture(picture),
   status(status) {
     if (!connected) showBanner(null);
-  past: (past) => playback.takePast(past),
     connected = true;
     playback.takeStatus(status);
     door.takeStatus(status);
@@ -279,6 +281,7 @@ const world = new WorldPanel(
       choose({ object: number });
       view.lookAtObject(number);
     },
+    chooseMap: () => choose('map'),
     lookAt: (place) => view.lookAtPlace(place),
     isPlotted: (robot, key) => plots.has(robot, key),
     plot(robot, value) {
@@ -391,10 +394,11 @@ function showFrame(frame: Frame): void {
   document.documentElement.dataset.state = 'live';
 }
 
-/** Chooses a robot or an object; null for neither an object nor another robot. */
-function choose(thing: Thing | null): void {
-  if (thing && 'robot' in thing) return select(thing.robot);
-  state.chosenObject = thing?.object ?? null;
+/** Chooses a robot, an object or the map; null for none of these but the robot that was chosen last. */
+function choose(thing: Thing | 'map' | null): void {
+  state.isMapChosen = thing === 'map';
+  if (thing && thing !== 'map' && 'robot' in thing) return select(thing.robot);
+  state.chosenObject = thing === 'map' ? null : (thing?.object ?? null);
   view.chooseObject(state.chosenObject);
   world.update();
 }
@@ -402,6 +406,7 @@ function choose(thing: Thing | null): void {
 function select(robot: number): void {
   state.selected = robot;
   state.chosenObject = null;
+  state.isMapChosen = false;
   view.chooseObject(null);
   drive.driveIfOwn(robot);
   world.update();
@@ -477,6 +482,7 @@ function showNumbers(): void {
   pace.update(state.isPresent ? state.status : null);
   world.updateValues();
   objectPanel.update();
+  mapPanel.update();
   tools.updateDepths();
   drive.followJoints();
   wire.draw();
@@ -559,5 +565,5 @@ find('fullscreen').onclick = () =>
 find('view').addEventListener('dblclick', focusView);
 
 setInterval(() => plots.draw(), PLOT_INTERVAL);
-setInterval(showNumbers, view.isSoftware ? PANEL_INTERVAL.software : PANEL_INTERVAL.hardware);
 setInterval(() => drive.follow(), DRIVE_INTERVAL);
+setInterval(showNumbers, view.isSoftware ? PANEL_INTERVAL.software : PANEL_INTERVAL.hardware);

@@ -19,6 +19,8 @@ export class State {
   selected: number | null = null;
   /** Number of the object that is chosen in place of the robot. */
   chosenObject: number | null = null;
+  /** True if the map is chosen in place of a robot or an object. */
+  isMapChosen = false;
   /** The server's numbers of this page's own connections, which have spawned a robot each. */
   readonly own = new Set<number>();
   /** INIT lines that this page has sent. */
@@ -41,18 +43,18 @@ export class State {
     return this.hasRobot && this.isPresent;
   }
 
-  /** Class and name of a robot. */
+  /** A robot that is in the world. */
   robot(id: number | null): Status['robots'][number] | null {
     return this.status?.robots.find((robot) => robot.id === id) ?? null;
   }
 
-  classOf(id: number | null): RobotClass | null {
-    const robot = this.known(id);
   /** Class and name of a robot, also of one that has left. */
   known(id: number | null): Known | null {
     return this.robot(id) ?? (id === null ? null : (this.met.get(id) ?? null));
   }
 
+  classOf(id: number | null): RobotClass | null {
+    const robot = this.known(id);
     return (robot && this.scene?.classes[robot.class]) ?? null;
   }
 

@@ -13,6 +13,7 @@ const BY_NAME = new Intl.Collator('en', { numeric: true });
 export interface WorldActions {
   select: (robot: number) => void;
   chooseObject: (number: number) => void;
+  chooseMap: () => void;
   lookAt: (place: Vector) => void;
   isPlotted: (robot: number, key: string) => boolean;
   plot: (robot: number, value: Value) => void;
@@ -107,6 +108,7 @@ export class WorldPanel {
       scene?.scenario?.name,
       selected,
       this.state.chosenObject,
+      this.state.isMapChosen,
       robots,
       objects,
       clients,
@@ -147,12 +149,18 @@ export class WorldPanel {
     const viewers = status?.viewers ?? 0;
     const pages = viewers === 1 ? 'Only this page is open.' : `${viewers} pages are open, including this one.`;
     const none = make('li', { class: 'quiet' }, 'None');
+    const isMapChosen = String(this.state.isMapChosen);
+    const map = make('button', { class: 'leaf', id: 'map-row', 'aria-pressed': isMapChosen }, scene?.map.name ?? '');
+    map.onclick = () => this.actions.chooseMap();
+    const wasMap = document.activeElement?.id === 'map-row';
     this.rest.replaceChildren(
+      ...section('Map', [make('li', {}, map)], true, 0),
       ...section('Objects', objects, true),
       ...this.sights(),
       ...section('Clients', clients.length > 0 ? clients : [none], true, clients.length),
       ...(viewers > 0 ? [make('p', { class: 'quiet' }, pages)] : []),
     );
+    if (wasMap) map.focus();
     if (objectInFocus) this.rest.querySelector<HTMLElement>(`[data-object="${objectInFocus}"]`)?.focus();
   }
 
