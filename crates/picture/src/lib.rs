@@ -1,12 +1,13 @@
 //! Pictures of a world without a graphics card.
 //!
-//! The renderer draws triangles with a depth buffer, light from one side with a shadow map, and a grid of a metre on the floor. It
-//! draws a map's solids, and a robot's visuals or else its colliding shapes. The hubs between a wheel's rollers are drawn for looks
+//! The renderer draws triangles with a depth buffer, light from one side with a shadow map, patterns of materials, and a grid of a metre on
+//! the floor. It draws a map's solids, and a robot's visuals or else its colliding shapes. The hubs between a wheel's rollers are drawn for looks
 //! only. (The crate `euc` draws triangles too, but has had no release since 2020.)
 
 mod camera;
 mod corners;
 mod mesh;
+mod pattern;
 mod raster;
 mod stage;
 
@@ -68,24 +69,62 @@ struct Fineness {
     fade_unit: f64,
     /// True to shade a pixel once if all its samples are of one surface.
     is_quick: bool,
+    /// True to draw the patterns of materials.
+    has_patterns: bool,
+}
+
+/// Parts of a picture that may be left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Looks {
+    /// Floors without an end.
+    pub floor: bool,
+    /// The grid on them.
+    pub grid: bool,
+    /// Colour behind the world, 0 to 1, in place of a sky into which all fades.
+    pub backdrop: Option<[f64; 3]>,
+}
+
+impl Default for Looks {
+    fn default() -> Self {
+        Self { floor: true, grid: true, backdrop: None }
+    }
 }
 
 /// Draws a snapshot of a world. Width and height are in pixels.
 pub fn picture(stage: &Stage, def: &WorldDef, snapshot: &Snapshot, camera: &Camera, size: [usize; 2]) -> Image {
+    picture_with(stage, def, snapshot, camera, size, &Looks::default())
+}
+
+/// Draws a snapshot of a world without some parts. Width and height are in pixels.
+pub fn picture_with(
+    stage: &Stage,
+    def: &WorldDef,
+    snapshot: &Snapshot,
+    camera: &Camera,
+    size: [usize; 2],
+    looks: &Looks,
+) -> Image {
     let distance = (camera.eye - camera.target).norm();
     let (reach, fade_unit) = (SHADOW_REACH * distance, distance.max(LEAST_FADE_UNIT));
-    let fineness = Fineness { samples: SAMPLES, shadow_size: SHADOW_SIZE, reach, fade_unit, is_quick: false };
-    draw(stage.scene(def, snapshot, None), camera, size, &fineness)
+    let (samples, shadow_size) = (SAMPLES, SHADOW_SIZE);
+    let fineness = Fineness { samples, shadow_size, reach, fade_unit, is_quick: false, has_patterns: true };
+    draw(stage.scene(def, snapshot, None), camera, size, &fineness, looks)
 }
 
 /// Draws what a camera of a robot sees. Width and height are in pixels. Shadows fall within a few metres in front of it.
 fn view(stage: &Stage, def: &WorldDef, snapshot: &Snapshot, robot: PawnId, camera: &Camera, size: [usize; 2]) -> Image {
     let ahead = (camera.target - camera.eye).normalize();
     let camera = Camera { target: camera.eye + ahead * VIEW_DISTANCE, ..*camera };
-    let fineness =
-        Fineness { samples: 2, shadow_size: 512, reach: VIEW_REACH, fade_unit: LEAST_FADE_UNIT, is_quick: true };
+    let fineness = Fineness {
+        samples: 2,
+        shadow_size: 512,
+        reach: VIEW_REACH,
+        fade_unit: LEAST_FADE_UNIT,
+        is_quick: true,
+        has_patterns: false,
+    };
     let scene = stage.scene(def, snapshot, Some((robot, camera.eye)));
-    draw(scene, &camera, size, &fineness)
+    draw(scene, &camera, size, &fineness, &Looks::default())
 }
 
 /// Width and height of the picture of a robot's camera, pixels, as USARSim's.
@@ -132,33 +171,45 @@ fn draw(
     (triangles, floors): (Vec<Triangle>, &[Floor]),
     camera: &Camera,
     [width, height]: [usize; 2],
-    &Fineness { samples, shadow_size, reach, fade_unit, is_quick }: &Fineness,
+    &Fineness { samples, shadow_size, reach, fade_unit, is_quick, has_patterns }: &Fineness,
+    looks: &Looks,
 ) -> Image {
+    let floors = if looks.floor { floors } else { &[] };
+    let sky = Vector3::from(looks.backdrop.unwrap_or(SKY));
     let whole = Projection::perspective(camera, width * samples, height * samples);
     let light = Projection::parallel(camera.target, Vector3::from(LIGHT), reach, shadow_size);
     let mut shadows = Depths::new(shadow_size, shadow_size);
     triangles.iter().enumerate().for_each(|(index, triangle)| shadows.add(&light, &triangle.corners, index));
     let margin = SHADOW_MARGIN * SHADOW_SIZE as f64 / shadow_size as f64 * reach;
+    // Breadth of a sample at a distance of 1 m; patterns are gone from afar.
+    let breadth = if has_patterns { 1.0 / whole.scale() } else { f64::INFINITY };
     let sample = |view: &Projection, surfaces: &Depths, x: usize, y: usize| {
         let ray = view.ray(x, y);
         let solid = surfaces.at(x, y).map(|(depth, index)| (view.distance(depth, &ray), &triangles[index]));
         let floor = floors.iter().filter_map(|floor| Some((floor.distance(&camera.eye, &ray)?, floor)));
         let floor = floor.min_by(|a, b| a.0.total_cmp(&b.0));
-        let (distance, normal, colour, has_grid) = match (solid, floor) {
-            (Some((solid, triangle)), floor) if floor.is_none_or(|(floor, _)| solid < floor) => {
+        let (distance, normal, colour) = match (solid, floor) {
+            (Some((distance, triangle)), floor) if floor.is_none_or(|(floor, _)| distance < floor) => {
                 let normal = triangle.normal();
-                (solid, if normal.dot(&ray) > 0.0 { -normal } else { normal }, triangle.colour, false)
+                let colour = triangle.colour_at(&(camera.eye + ray * distance), distance * breadth);
+                (distance, if normal.dot(&ray) > 0.0 { -normal } else { normal }, colour)
             }
-            (_, Some((floor, Floor { normal, colour, .. }))) => (floor, *normal, *colour, true),
-            _ => return Vector3::from(SKY),
+            (_, Some((distance, floor))) => {
+                let place = camera.eye + ray * distance;
+                let shade = if looks.grid { grid(&place, distance) } else { 1.0 };
+                (distance, floor.normal, floor.colour_at(&place, distance * breadth) * shade)
+            }
+            _ => return sky,
         };
         let place = camera.eye + ray * distance;
-        let colour = if has_grid { grid(colour, &place, distance) } else { Vector3::from(colour) };
         let bright = normal.dot(&Vector3::from(LIGHT).normalize()).max(0.0);
         let is_lit = bright > 0.0 && !shadows.hides(&light, &place, margin);
         let lit = colour * (AMBIENT + if is_lit { (1.0 - AMBIENT) * bright } else { 0.0 });
+        if looks.backdrop.is_some() {
+            return lit;
+        }
         let fade = ((distance / fade_unit - FADE[0]) / (FADE[1] - FADE[0])).clamp(0.0, 1.0);
-        lit * (1.0 - fade) + Vector3::from(SKY) * fade
+        lit * (1.0 - fade) + sky * fade
     };
     let mut pixels = Vec::with_capacity(width * height);
     let rows = (BAND / (width * samples * samples).max(1)).max(1);
@@ -184,20 +235,19 @@ fn draw(
     Image { width, height, pixels }
 }
 
-/// Returns the colour of a floor with its grid lines, one per metre and a stronger one every five.
-fn grid(colour: [f64; 3], place: &Point3<f64>, distance: f64) -> Vector3<f64> {
+/// Returns the shade of a floor's grid lines, one per metre and a stronger one every five.
+fn grid(place: &Point3<f64>, distance: f64) -> f64 {
     // Lines get wider with the distance, so that they do not flicker from pixel to pixel.
     let half = GRID_LINE + 0.0012 * distance;
     let near = |value: f64, step: f64| (value - step * (value / step).round()).abs() < half;
     let on = |step: f64| near(place.x, step) || near(place.y, step);
-    let shade = if on(5.0) {
+    if on(5.0) {
         0.72
     } else if on(1.0) {
         0.86
     } else {
         1.0
-    };
-    Vector3::from(colour) * shade
+    }
 }
 
 impl Image {
@@ -246,6 +296,27 @@ pub fn film(pictures: &[Image], frames_per_second: u16) -> Result<Vec<u8>, png::
 }
 
 impl Image {
+    /// Returns a picture of a world before nothing as a PNG file: what is behind it is transparent. It is made of two pictures of the same size,
+    /// before black and before white.
+    ///
+    /// # Errors
+    /// When the picture has no pixels.
+    pub fn cut_out(on_black: &Self, on_white: &Self) -> Result<Vec<u8>, png::EncodingError> {
+        let pixels = on_black.pixels.iter().zip(&on_white.pixels).flat_map(|(black, white)| {
+            let seen_through = black.iter().zip(white).map(|(black, white)| white.saturating_sub(*black)).min();
+            let alpha = 255 - seen_through.unwrap_or_default();
+            let part = |black: u8| (f64::from(black) * 255.0 / f64::from(alpha.max(1))).round().min(255.0) as u8;
+            let [red, green, blue] = black.map(part);
+            [red, green, blue, alpha]
+        });
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, on_black.width as u32, on_black.height as u32);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.write_header()?.write_image_data(&pixels.collect::<Vec<u8>>())?;
+        Ok(file)
+    }
+
     /// Returns left, top, width and height of the box in which an image of the same size differs, or one pixel if none does.
     fn changed_since(&self, before: &Self) -> [usize; 4] {
         let changed = self.pixels.iter().zip(&before.pixels).enumerate().filter(|(_, (now, then))| now != then);
@@ -365,6 +436,31 @@ mod tests {
         let [left, _, wide, _] = changed;
         assert!((5..60).contains(&wide) && left < 40 && left + wide > 40, "{changed:?}");
         assert_eq!(met, see(&world), "the same again");
+    }
+
+    #[test]
+    fn a_world_is_cut_out_of_what_is_behind_it() {
+        let world = world(true);
+        let (eye, target) = (Point3::new(0.0, 0.0, -2.0), Point3::origin());
+        let camera = Camera { eye, target, down: Vector3::z(), field_of_view: 0.6 };
+        let draw = |looks: &Looks| {
+            picture_with(&Stage::new(world.def()), world.def(), &world.snapshot(), &camera, [90, 60], looks)
+        };
+        let before = |shade| draw(&Looks { floor: false, grid: false, backdrop: Some([shade; 3]) });
+        let file = Image::cut_out(&before(0.0), &before(1.0)).unwrap();
+        let mut reader = png::Decoder::new(file.as_slice()).read_info().unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size()];
+        reader.next_frame(&mut bytes).unwrap();
+        let pixel = |x: usize, y: usize| &bytes[4 * (y * 90 + x)..][..4];
+        let [red, green, blue, alpha] = pixel(45, 30) else { panic!("four bytes of a pixel") };
+        assert!(*red > 180 && *green < 140 && *blue < 80 && *alpha == 255);
+        assert_eq!(pixel(5, 30), [0; 4]);
+        // With its floor the picture is full.
+        let full = Image::cut_out(&from_above(&world), &from_above(&world)).unwrap();
+        assert_ne!(full, file);
+        let shades =
+            |looks: &Looks| draw(looks).pixels.iter().map(|pixel| pixel[0]).collect::<std::collections::BTreeSet<_>>();
+        assert!(shades(&Looks::default()).len() > shades(&Looks { grid: false, ..Looks::default() }).len());
     }
 
     #[test]

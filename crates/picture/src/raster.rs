@@ -41,6 +41,11 @@ impl Projection {
         Self { eye, right, down, ahead, scale, middle: size.map(|size| size as f64 / 2.0), is_perspective }
     }
 
+    /// Returns the pixels of a length of 1 m at a distance of 1 m.
+    pub(crate) fn scale(&self) -> f64 {
+        self.scale
+    }
+
     /// Returns a view with its first row farther down.
     pub(crate) fn below(&self, row: usize) -> Self {
         Self { middle: [self.middle[0], self.middle[1] - row as f64], ..*self }

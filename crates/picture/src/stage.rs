@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use scene::{Drawn, Geometry, Moves, ObjectSnapshot, PawnId, Pose, RobotDef, RobotSnapshot, Snapshot, WorldDef};
 
-use crate::mesh::{Floor, Mesh, Triangle};
+use crate::mesh::{Floor, Mesh, Paint, Triangle};
 
 /// A scene prepared for pictures.
 pub struct Stage {
@@ -37,7 +37,7 @@ impl Stage {
     pub fn new(def: &WorldDef) -> Self {
         let mut fixed = Mesh::default();
         let solids = def.map.solids.iter().chain(&def.map.markings);
-        solids.for_each(|solid| fixed.add(&solid.shape, &solid.pose(), solid.material.colour));
+        solids.for_each(|solid| fixed.add(&solid.shape, &solid.pose(), Paint::from(&solid.material)));
         let classes = def.robots.keys().map(|name| (name.clone(), OnceLock::new())).collect();
         Self { fixed, classes }
     }
@@ -66,7 +66,7 @@ impl Stage {
     ) -> (Vec<Triangle>, &[Floor]) {
         let mut moving = Mesh::default();
         for ObjectSnapshot { def, pose, .. } in &snapshot.objects {
-            moving.add(&def.solid.shape, pose, def.solid.material.colour);
+            moving.add(&def.solid.shape, pose, Paint::from(&def.solid.material));
         }
         let mut triangles = self.fixed.triangles.clone();
         triangles.append(&mut moving.triangles);
@@ -85,8 +85,8 @@ fn pieces(robot: &RobotDef) -> Vec<Piece> {
         let piece = move |Drawn { pose, geometry, colour, moves }: Drawn| {
             let mut mesh = Mesh::default();
             match geometry {
-                Geometry::Shape(shape) => mesh.add(&shape, &Pose::identity(), colour),
-                Geometry::Revolved(outline) => mesh.add_lathe(&outline, &Pose::identity(), colour),
+                Geometry::Shape(shape) => mesh.add(&shape, &Pose::identity(), colour.into()),
+                Geometry::Revolved(outline) => mesh.add_lathe(&outline, &Pose::identity(), colour.into()),
             }
             Piece { link, pose, moves, bounds: bounds(&mesh.triangles), triangles: mesh.triangles }
         };
@@ -134,9 +134,10 @@ fn place(
             if *radius < largest && eye.is_some_and(is_near) {
                 continue;
             }
-            triangles.extend(own.iter().map(|Triangle { corners, colour }| Triangle {
+            triangles.extend(own.iter().map(|Triangle { corners, colour, laid }| Triangle {
                 corners: corners.map(|corner: Point3<f64>| pose * corner),
                 colour: *colour,
+                laid: *laid,
             }));
         }
     }
