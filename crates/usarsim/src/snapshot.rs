@@ -7,7 +7,7 @@ use gamebots_proto::{Line, Problem};
 use indicatif::ProgressBar;
 use logbook::Demo;
 use nalgebra::Vector3;
-use picture::{Camera, Image, Stage};
+use picture::{Camera, Image, Looks, Stage};
 use scene::{DriveModel, MapDef, Scenario, Viewpoint};
 use scene_loader::{Changes, Equipment, LoadError, Override};
 use sim_core::{Options, World};
@@ -22,6 +22,7 @@ use crate::{Failure, exit, print};
     usarsim snapshot --robot KUKA_YouBot --out youbot.png --view front\n  \
     usarsim snapshot --map slope-4.5 --robot P3AT --start RobotStart2 --seconds 2 \\\n    \
     --drive \"{Left 2} {Right 2}\" --out slope.png --size 1600x900\n  \
+    usarsim snapshot --robot Kenaf --without floor,background --out kenaf.png\n  \
     usarsim snapshot --robot YouBot --drive \"{LateralVelocity 0.2}\" --film 4 --out aside.png --size 640x360\n  \
     usarsim snapshot --scenario stairs --seconds 5 --film 12 --out stairs.png --size 640x400")]
 pub(crate) struct Arguments {
@@ -62,12 +63,26 @@ pub(crate) struct Arguments {
     /// Distance from the camera to the middle of the robot or of the map, m; by default the robot, or the whole map, fills the picture.
     #[arg(long, value_name = "M", value_parser = distance)]
     distance: Option<f64>,
+    /// Parts to leave out: what is behind the world is transparent without a background.
+    #[arg(long, value_name = "PART,..", value_delimiter = ',')]
+    without: Vec<Part>,
     /// Pixels, width x height.
     #[arg(long, default_value = "1280x720", value_name = "WxH", value_parser = size)]
     size: [usize; 2],
     /// The picture, a file name that ends in .png.
     #[arg(long, value_name = "FILE.png", value_parser = png)]
     out: PathBuf,
+}
+
+/// A part of a picture.
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum Part {
+    /// Floors without an end.
+    Floor,
+    /// The grid on them.
+    Grid,
+    /// The sky.
+    Background,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -180,10 +195,25 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.scenario.is_some() {
         moving.run_to(arguments.seconds).map_err(|error| Failure::new(exit::BAD_DATA, error))?;
     }
-    let draw = |world: &World| picture::picture(&stage, world.def(), &world.snapshot(), &camera, arguments.size);
+    let lacks = |part: Part| arguments.without.contains(&part);
+    let looks = Looks { floor: !lacks(Part::Floor), grid: !lacks(Part::Grid), backdrop: None };
+    let draw_with = |world: &World, looks: &Looks| {
+        picture::picture_with(&stage, world.def(), &world.snapshot(), &camera, arguments.size, looks)
+    };
+    let draw = |world: &World| draw_with(world, &looks);
     let written = match arguments.film {
+        Some(_) if lacks(Part::Background) => {
+            return Err(Failure::new(
+                exit::USAGE,
+                "a film has a background: leave out `--film` or `--without background`",
+            ));
+        }
         Some(seconds) => film(&mut moving, seconds, draw)
             .and_then(|frames| picture::film(&frames, FRAMES_PER_SECOND).map_err(|error| error.to_string())),
+        None if lacks(Part::Background) => {
+            let before = |backdrop| draw_with(moving.world(), &Looks { backdrop: Some(backdrop), ..looks });
+            Image::cut_out(&before([0.0; 3]), &before([1.0; 3])).map_err(|error| error.to_string())
+        }
         None => draw(moving.world()).to_png().map_err(|error| error.to_string()),
     };
     let written = written.and_then(|png| std::fs::write(&arguments.out, png).map_err(|error| error.to_string()));
