@@ -44,7 +44,7 @@ import type { Scene } from './protocol/scene';
 import type { Transport } from './protocol/transport';
 import { State } from './state';
 import { QUALITIES, RUNGS } from './view/quality';
-import { View } from './view/view';
+import { type Quality, View } from './view/view';
 
 /** Intervals between two updates of numbers, ms, with a graphics card and without one, where each costs as much as a frame; and of plots. */
 const PANEL_INTERVAL = { hardware: 100, software: 250 };
@@ -500,6 +500,11 @@ function setTheme(dark: boolean): void {
   remember('theme', dark ? 'dark' : 'light');
 }
 
+function setQuality(quality: Quality | 'auto'): void {
+  view.setQuality(quality);
+  remember('quality', String(quality));
+}
+
 const showTab = buildTabs((tab) => live.listenToWire(tab === 'wire'));
 const showSheet = buildSheets(showTab, showPlots);
 buildSplitters();
@@ -507,6 +512,7 @@ buildFrame();
 void door.load();
 const preferred = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
 setTheme((remembered('theme') ?? preferred) === 'dark');
+setQuality(QUALITIES.find((quality) => String(quality) === remembered('quality')) ?? 'auto');
 returnFocusAfterChoice();
 
 const press = (id: string) => () => find(id).click();
@@ -540,10 +546,10 @@ const actions: Action[] = [
   { name: 'Clear the paths', run: () => view.clearPaths() },
   { name: 'Light or dark', run: press('theme') },
   { name: 'Full screen', run: press('fullscreen') },
-  { name: 'Picture quality: as this machine can', run: () => view.setQuality('auto') },
+  { name: 'Picture quality: as this machine can', run: () => setQuality('auto') },
   ...QUALITIES.map((quality) => ({
     name: `Picture quality ${quality}: ${RUNGS[quality].what}`,
-    run: () => view.setQuality(quality),
+    run: () => setQuality(quality),
   })),
 ];
 const possible = () => actions.filter(({ drives }) => !drives || !state.isWatched);

@@ -26,7 +26,7 @@ const browser = await launchBrowser();
 const server = await startServer('--scenarios', join(root, 'scenarios'));
 for (const { name } of folders) {
   if (wanted.length > 0 && !wanted.includes(name)) continue;
-  const { page } = await openPage(browser, server.url, { door: true, colorScheme: 'light' });
+  const { page } = await openPage(browser, server.url, { door: true, quality: 'auto', colorScheme: 'light' });
   await page.click(`[data-scenario=${name}]`);
   await page.click('#door-watch');
   await page.waitForSelector('#past:not([hidden])');

@@ -19,11 +19,8 @@ const browser = await launchBrowser();
 
 async function take(file, serve, options, prepare) {
   const server = await startServer(...serve);
-  const { page } = await openPage(browser, server.url, options);
   // As with a graphics card, however long it takes here.
-  await page.keyboard.press('Control+k');
-  await page.fill('dialog input', 'quality 5');
-  await page.keyboard.press('Enter');
+  const { page } = await openPage(browser, server.url, { quality: '5', ...options });
   await prepare(page, server);
   // Messages would hide the view, and who uses no keyboard sees no focus.
   await page.evaluate(() => {

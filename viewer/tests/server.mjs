@@ -99,11 +99,17 @@ export function launchBrowser() {
   return chromium.launch({ executablePath, args });
 }
 
-/** Opens the page and waits until the world is shown. What goes to the console as an error is collected. */
-export async function openPage(browser, url, { door = false, ...options } = {}) {
+/**
+ * Opens the page and waits until the world is shown. What goes to the console as an error is collected. A still picture takes two seconds of
+ * two cores, so the quality is held at the least, but for tests that want another one.
+ */
+export async function openPage(browser, url, { door = false, quality = '1', ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
   // Somebody has left the first screen in this tab.
   if (!door) await context.addInitScript(() => sessionStorage.setItem('usarsim.door', 'left'));
+  await context.addInitScript((quality) => {
+    if (localStorage.getItem('usarsim.quality') === null) localStorage.setItem('usarsim.quality', quality);
+  }, quality);
   const page = await context.newPage();
   const errors = [];
   page.on('console', (message) => message.type() === 'error' && errors.push(message.text()));

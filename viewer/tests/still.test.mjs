@@ -10,7 +10,9 @@ import { root } from './server.mjs';
 const shown = (page) => page.waitForSelector('.view-still.shown');
 const gone = (page) => page.waitForSelector('.view-still:not(.shown)', { state: 'attached' });
 
-pageTest('a view at rest is drawn at the best quality, and gives way to motion', {}, async ({ page }) => {
+const auto = { page: { quality: 'auto' } };
+
+pageTest('a view at rest is drawn at the best quality, and gives way to motion', auto, async ({ page }) => {
   await shown(page);
   await page.waitForFunction(() => document.querySelector('#rate').textContent === 'Picture quality 5 of 5');
   await spawnRobot(page, { robotClass: 'P3AT' });
@@ -26,17 +28,23 @@ pageTest('a view at rest is drawn at the best quality, and gives way to motion',
   await shown(page);
 });
 
-pageTest('a still picture has as many pixels as the screen', { page: { deviceScaleFactor: 2 } }, async ({ page }) => {
-  await shown(page);
-  const [drawn, wanted] = await page.evaluate(() => {
-    const [still, canvas] = ['.view-still', '#canvas'].map((it) => document.querySelector(it));
-    return [still.width / canvas.clientWidth, window.devicePixelRatio];
-  });
-  assert.equal(drawn, wanted);
-});
+pageTest(
+  'a still picture has as many pixels as the screen',
+  { page: { deviceScaleFactor: 2, quality: 'auto' } },
+  async ({ page }) => {
+    await shown(page);
+    const [drawn, wanted] = await page.evaluate(() => {
+      const [still, canvas] = ['.view-still', '#canvas'].map((it) => document.querySelector(it));
+      return [still.width / canvas.clientWidth, window.devicePixelRatio];
+    });
+    assert.equal(drawn, wanted);
+  },
+);
 
-pageTest('a rung of quality that somebody holds has no still picture', {}, async ({ page }) => {
+pageTest('a rung of quality that somebody holds has no still picture, and is kept', auto, async ({ page }) => {
   await setQuality(page, 1);
+  await page.reload();
+  await page.waitForFunction(() => document.documentElement.dataset.state === 'live');
   await page.keyboard.press('Home');
   await gone(page);
   await page.waitForFunction(() => /^Picture quality 1 of 5$/.test(document.querySelector('#rate').textContent));
@@ -52,7 +60,7 @@ pageTest('a rung of quality that somebody holds has no still picture', {}, async
   assert.equal(await page.locator('.view-still.shown').count(), 0);
 });
 
-pageTest('the dark theme leaves the world its light', {}, async ({ page }) => {
+pageTest('the dark theme leaves the world its light', auto, async ({ page }) => {
   await shown(page);
   const still = () => page.evaluate(() => document.querySelector('.view-still').toDataURL());
   const light = await still();
