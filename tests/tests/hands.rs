@@ -154,13 +154,27 @@ fn what_cannot_be_pulled_says_why() {
         let problems = stage.order(&format!("{{Type Pull}} {order}"));
         assert!(problems.iter().any(|problem| problem.contains(why)), "{order}: {problems:?}");
     }
-    for number in 0..65 {
-        let at = format!("{},{},-0.26", -20 + number % 10, -20 + number / 10);
-        stage.must(&format!(
-            "{{Type Create}} {{ClassName WCCrate}} {{Name c{number}}} {{Location {at}}} {{Physics RigidBody}}"
-        ));
-        let problems = stage.order(&format!("{{Type Pull}} {{Name c{number}}} {{Location 0,0,-1}}"));
-        assert_eq!(problems.len(), usize::from(number == 64), "{number}: {problems:?}");
+}
+
+#[test]
+fn a_controller_pulls_no_more_than_it_leaves_for_others() {
+    let mut stage = stage_with(0.008);
+    let other = init(&mut stage.world, "INIT {ClassName WorldController}");
+    let mut pull = |number: usize, is_other: bool| {
+        let at = format!("{},{},-0.26", number % 10, number / 10);
+        let create =
+            format!("{{Type Create}} {{ClassName WCCrate}} {{Name c{number}}} {{Location {at}}} {{Physics RigidBody}}");
+        stage.must(&format!("{create} {{Permanent true}}"));
+        let pull = format!("{{Type Pull}} {{Name c{number}}} {{Location 0,0,-1}}");
+        if is_other { problems(&mut stage.world, other, &format!("CONTROL {pull}")) } else { stage.order(&pull) }
+    };
+    for (is_other, most) in [(false, 32), (true, 16)] {
+        let first = if is_other { 40 } else { 0 };
+        for number in 0..most {
+            assert_eq!(pull(first + number, is_other), [""; 0], "{number}");
+        }
+        let problems = pull(first + most, is_other);
+        assert!(problems.iter().any(|problem| problem.contains("left for others")), "{problems:?}");
     }
 }
 

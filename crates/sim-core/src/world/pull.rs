@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::World;
 use crate::physics::{Spring, Tug};
 
-/// Most things of a world that are pulled at a time.
+/// Most things of a world that are pulled at a time. A controller pulls no more than it leaves for others.
 pub(super) const MAX_PULLS: usize = 64;
 
 /// An object or a robot that a world controller pulls.
@@ -53,8 +53,11 @@ impl World {
         if location.is_none() && rotation.is_none() {
             return Ok(());
         }
-        if self.pulls.len() >= MAX_PULLS {
-            return Err(format!("{MAX_PULLS} things are pulled already: expected at most as many at a time"));
+        let (all, own) = (self.pulls.len(), self.pulls.iter().filter(|pull| pull.by == by).count());
+        if own >= MAX_PULLS - all.min(MAX_PULLS) {
+            return Err(format!(
+                "{own} things are pulled by it, {all} in all: expected no more of {MAX_PULLS} than are left for others"
+            ));
         }
         let turn = rotation.map(|angles| scene::pose([0.0; 3], angles).rotation);
         let spring = Spring { grip: (*grip).into(), to: location.map(Into::into), turn };
