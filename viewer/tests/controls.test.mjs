@@ -144,12 +144,14 @@ pageTest('each robot is spawned at a free start with a free name', rough, async 
   await page.click('[data-tab=drive]');
   // At once, before the first one is in the world.
   for (let spawned = 0; spawned < 3; spawned++) await page.click('#spawn');
-  await page.waitForSelector('[data-robot="2"][aria-pressed=true]', { state: 'attached' });
-  assert.deepEqual(await page.locator('[data-robot] span').allTextContents(), ['Robot1', 'Robot2', 'Robot3']);
+  // Their clients are served in any order.
+  await until(async () => (await page.locator('[data-robot]:has-text("yours")').count()) === 3, 'three robots');
+  const names = await page.locator('[data-robot] span').allTextContents();
+  assert.deepEqual(names, ['Robot1', 'Robot2', 'Robot3']);
   const places = [];
-  for (const robot of [0, 1, 2]) {
-    await page.locator(`[data-robot="${robot}"]`).dispatchEvent('click');
-    await page.waitForSelector(`[data-robot="${robot}"][aria-pressed=true]`, { state: 'attached' });
+  for (const name of names) {
+    await page.locator('[data-robot]', { hasText: name }).dispatchEvent('click');
+    await page.waitForSelector(`[data-robot][aria-pressed=true]:has-text("${name}")`, { state: 'attached' });
     places.push([Math.round(await number(page, X)) + 0, Math.round(await number(page, Y)) + 0]);
   }
   assert.deepEqual(places, [

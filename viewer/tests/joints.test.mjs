@@ -153,6 +153,9 @@ pageTest('poses of the gripper are offered, and its hand is led by a drag', stil
   await shows(page, '#joint-ArmJoint4', 0.87, 0.03);
   await page.selectOption('#camera', 'top');
   await waitForView(page, ABOVE);
+  // The scale follows with the other numbers.
+  const time = await page.textContent('#time');
+  await page.waitForFunction((time) => document.querySelector('#time').textContent !== time, time);
   // The hand is 0.37 m ahead of the robot's middle, and ahead is to the right of the screen.
   const perMetre = await page.evaluate(() => {
     const bar = document.querySelector('#scale span');
