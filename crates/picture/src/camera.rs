@@ -2,8 +2,9 @@
 
 use nalgebra::{Point3, Vector3};
 
-use scene::{Pose, RobotDef, RobotSnapshot, SensorDef};
+use scene::{MapDef, Pose, RobotDef, RobotSnapshot, SensorDef};
 
+use crate::corners::corners_of_map;
 use crate::raster::axes;
 
 /// A camera in the world frame, m.
@@ -19,6 +20,10 @@ pub struct Camera {
     pub field_of_view: f64,
 }
 
+/// Direction from behind, from the left and from above toward what a picture shows.
+pub const FROM_CORNER: Vector3<f64> = Vector3::new(0.75, 0.75, 0.65);
+/// Angle from the lower to the upper edge of a picture that nobody chose another one for, rad.
+pub const FIELD_OF_VIEW: f64 = 0.6;
 /// Fraction of the picture's width and height that is used.
 const FILLING: f64 = 0.94;
 /// Least distance from the eye to the nearest point, m.
@@ -44,6 +49,11 @@ impl Camera {
         let middle = (far + near) / 2.0 - eye[2];
         let eye = Point3::from(axes[0] * eye[0] + axes[1] * eye[1] + axes[2] * eye[2]);
         Self { eye, target: eye + axes[2] * middle, down: Vector3::z(), field_of_view }
+    }
+
+    /// Creates a camera that shows a whole map from a corner in a picture of this width and height.
+    pub fn of_map(map: &MapDef, size: [usize; 2]) -> Self {
+        Self::fitting(&corners_of_map(map), FROM_CORNER, FIELD_OF_VIEW, size)
     }
 
     /// Creates the camera of a robot: it looks along the x axis of a pose in the world, with z down. `across` is the angle from the left

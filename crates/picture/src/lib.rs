@@ -14,7 +14,7 @@ mod stage;
 use nalgebra::{Point3, Vector3};
 use scene::{PawnId, Reading, Sensed, Snapshot, WorldDef};
 
-pub use camera::Camera;
+pub use camera::{Camera, FIELD_OF_VIEW, FROM_CORNER};
 pub use corners::corners_of_map;
 pub use stage::Stage;
 
@@ -185,25 +185,25 @@ fn draw(
     let breadth = if has_patterns { 1.0 / whole.scale() } else { f64::INFINITY };
     let sample = |view: &Projection, surfaces: &Depths, x: usize, y: usize| {
         let ray = view.ray(x, y);
+        let place_at = |distance: f64| camera.eye + ray * distance;
         let solid = surfaces.at(x, y).map(|(depth, index)| (view.distance(depth, &ray), &triangles[index]));
         let floor = floors.iter().filter_map(|floor| Some((floor.distance(&camera.eye, &ray)?, floor)));
         let floor = floor.min_by(|a, b| a.0.total_cmp(&b.0));
         let (distance, normal, colour) = match (solid, floor) {
             (Some((distance, triangle)), floor) if floor.is_none_or(|(floor, _)| distance < floor) => {
                 let normal = triangle.normal();
-                let colour = triangle.colour_at(&(camera.eye + ray * distance), distance * breadth);
+                let colour = triangle.colour_at(&place_at(distance), distance * breadth);
                 (distance, if normal.dot(&ray) > 0.0 { -normal } else { normal }, colour)
             }
             (_, Some((distance, floor))) => {
-                let place = camera.eye + ray * distance;
+                let place = place_at(distance);
                 let shade = if looks.grid { grid(&place, distance) } else { 1.0 };
                 (distance, floor.normal, floor.colour_at(&place, distance * breadth) * shade)
             }
             _ => return sky,
         };
-        let place = camera.eye + ray * distance;
         let bright = normal.dot(&Vector3::from(LIGHT).normalize()).max(0.0);
-        let is_lit = bright > 0.0 && !shadows.hides(&light, &place, margin);
+        let is_lit = bright > 0.0 && !shadows.hides(&light, &place_at(distance), margin);
         let lit = colour * (AMBIENT + if is_lit { (1.0 - AMBIENT) * bright } else { 0.0 });
         if looks.backdrop.is_some() {
             return lit;
@@ -256,12 +256,16 @@ impl Image {
     /// # Errors
     /// When it has no pixels.
     pub fn to_png(&self) -> Result<Vec<u8>, png::EncodingError> {
+        self.encoded(png::ColorType::Rgb, self.pixels.as_flattened())
+    }
+
+    /// Returns bytes of pixels of this image's size as a PNG file.
+    fn encoded(&self, kind: png::ColorType, bytes: &[u8]) -> Result<Vec<u8>, png::EncodingError> {
         let mut file = Vec::new();
         let mut encoder = png::Encoder::new(&mut file, self.width as u32, self.height as u32);
-        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_color(kind);
         encoder.set_depth(png::BitDepth::Eight);
-        let bytes: Vec<u8> = self.pixels.iter().flatten().copied().collect();
-        encoder.write_header()?.write_image_data(&bytes)?;
+        encoder.write_header()?.write_image_data(bytes)?;
         Ok(file)
     }
 }
@@ -309,12 +313,7 @@ impl Image {
             let [red, green, blue] = black.map(part);
             [red, green, blue, alpha]
         });
-        let mut file = Vec::new();
-        let mut encoder = png::Encoder::new(&mut file, on_black.width as u32, on_black.height as u32);
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.write_header()?.write_image_data(&pixels.collect::<Vec<u8>>())?;
-        Ok(file)
+        on_black.encoded(png::ColorType::Rgba, &pixels.collect::<Vec<u8>>())
     }
 
     /// Returns left, top, width and height of the box in which an image of the same size differs, or one pixel if none does.

@@ -1,4 +1,5 @@
-//! Patterns of materials: how light or dark a surface is from place to place, made by code as the page's (`viewer/src/view/textures.ts`).
+//! Patterns of materials: how light or dark a surface is from place to place, made by code as the page's (`viewer/src/view/textures.ts`; the
+//! names are those of `surfaces.ts` beside it).
 
 use std::f64::consts::TAU;
 use std::sync::LazyLock;

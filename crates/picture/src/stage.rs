@@ -134,10 +134,9 @@ fn place(
             if *radius < largest && eye.is_some_and(is_near) {
                 continue;
             }
-            triangles.extend(own.iter().map(|Triangle { corners, colour, laid }| Triangle {
-                corners: corners.map(|corner: Point3<f64>| pose * corner),
-                colour: *colour,
-                laid: *laid,
+            triangles.extend(own.iter().map(|triangle| Triangle {
+                corners: triangle.corners.map(|corner: Point3<f64>| pose * corner),
+                ..triangle.clone()
             }));
         }
     }

@@ -1,6 +1,6 @@
 //! Pictures as arrays.
 
-use ::picture::{Camera, Image, Stage};
+use ::picture::{Camera, FIELD_OF_VIEW, Image, Stage};
 use nalgebra::{Point3, Vector3};
 use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -8,9 +8,6 @@ use pyo3::types::PyBytes;
 
 use crate::arguments::contiguous;
 use crate::error;
-
-/// Vertical field of view of a picture, rad.
-const FIELD_OF_VIEW: f64 = 0.6;
 
 /// Draws a world. Without an eye, the camera looks at the robots, or else at the whole map, from behind and above.
 pub(crate) fn draw(

@@ -7,7 +7,7 @@ use gamebots_proto::{Line, Problem};
 use indicatif::ProgressBar;
 use logbook::Demo;
 use nalgebra::Vector3;
-use picture::{Camera, Image, Looks, Stage};
+use picture::{Camera, FIELD_OF_VIEW, FROM_CORNER, Image, Looks, Stage};
 use scene::{DriveModel, MapDef, Scenario, Viewpoint};
 use scene_loader::{Changes, Equipment, LoadError, Override};
 use sim_core::{Options, World};
@@ -103,7 +103,7 @@ impl View {
     /// Returns the direction from the target to the camera, in the robot's axes.
     fn direction(self) -> Vector3<f64> {
         match self {
-            Self::Corner => Vector3::new(-0.75, -0.75, -0.65),
+            Self::Corner => -FROM_CORNER,
             Self::Top => -Vector3::z(),
             Self::Side => Vector3::new(0.0, 1.0, -0.2),
             Self::Front => Vector3::new(1.0, 0.25, -0.3),
@@ -140,8 +140,6 @@ fn size(text: &str) -> Result<[usize; 2], String> {
 
 /// Frames per second of a film.
 const FRAMES_PER_SECOND: u16 = 15;
-/// Vertical field of view, rad.
-const FIELD_OF_VIEW: f64 = 0.6;
 /// Vertical field of view of the page, for which the cameras of scenarios are chosen, rad.
 const PAGE_FIELD_OF_VIEW: f64 = 0.733;
 /// Distances of the camera from a robot over that at which it fills the picture: a driving one needs more room.
@@ -265,13 +263,15 @@ fn camera(stage: &Stage, world: &World, arguments: &Arguments) -> Camera {
 
 /// Returns the camera of a scenario, or one for its whole map.
 fn camera_of(scenario: &Scenario, map: &MapDef, size: [usize; 2]) -> Camera {
-    let whole = || Camera::fitting(&picture::corners_of_map(map), -View::Corner.direction(), FIELD_OF_VIEW, size);
-    scenario.camera.map_or_else(whole, |Viewpoint { from, at }| Camera {
-        eye: from.into(),
-        target: at.into(),
-        down: Vector3::z(),
-        field_of_view: PAGE_FIELD_OF_VIEW,
-    })
+    scenario.camera.map_or_else(
+        || Camera::of_map(map, size),
+        |Viewpoint { from, at }| Camera {
+            eye: from.into(),
+            target: at.into(),
+            down: Vector3::z(),
+            field_of_view: PAGE_FIELD_OF_VIEW,
+        },
+    )
 }
 
 /// Returns the demo of a scenario.

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use axum::body::Bytes;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use nalgebra::Vector3;
-use picture::{Camera, Stage, corners_of_map};
+use picture::{Camera, Stage};
 use scene::{MapDef, Options, Setting, WorldDef};
 use sim_core::World;
 use tokio::sync::Mutex;
@@ -17,9 +16,6 @@ use crate::maps::{AvailableMap, Maps};
 
 /// Width and height of a picture, px.
 const SIZE: [usize; 2] = [256, 160];
-/// Direction in which the camera looks, and its vertical field of view, rad.
-const AHEAD: Vector3<f64> = Vector3::new(0.75, 0.75, 0.65);
-const FIELD_OF_VIEW: f64 = 0.6;
 /// Most pictures that are kept.
 const MAX_KEPT: usize = 64;
 
@@ -80,7 +76,6 @@ fn draw(world: WorldDef, map: MapDef) -> Result<Bytes, String> {
     world.check().map_err(|problem| problem.to_string())?;
     let world = World::new(world, Options::default());
     let (def, stage) = (world.def(), Stage::new(world.def()));
-    let camera = Camera::fitting(&corners_of_map(&def.map), AHEAD.normalize(), FIELD_OF_VIEW, SIZE);
-    let picture = picture::picture(&stage, def, &world.snapshot(), &camera, SIZE);
+    let picture = picture::picture(&stage, def, &world.snapshot(), &Camera::of_map(&def.map, SIZE), SIZE);
     picture.to_png().map(Bytes::from).map_err(|error| error.to_string())
 }
