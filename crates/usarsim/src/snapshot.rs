@@ -176,6 +176,11 @@ impl Moving {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let lacks = |part: Part| arguments.without.contains(&part);
+    if arguments.film.is_some() && lacks(Part::Background) {
+        let why = "a film has a background: leave out `--film` or `--without background`";
+        return Err(Failure::new(exit::USAGE, why));
+    }
     let given = [Some(&arguments.map), arguments.robot.as_ref()];
     let inputs: Vec<PathBuf> = given.into_iter().flatten().flat_map(|given| definition_files(given)).collect();
     keep_inputs(&arguments.out, &inputs)?;
@@ -193,19 +198,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.scenario.is_some() {
         moving.run_to(arguments.seconds).map_err(|error| Failure::new(exit::BAD_DATA, error))?;
     }
-    let lacks = |part: Part| arguments.without.contains(&part);
     let looks = Looks { floor: !lacks(Part::Floor), grid: !lacks(Part::Grid), backdrop: None };
     let draw_with = |world: &World, looks: &Looks| {
         picture::picture_with(&stage, world.def(), &world.snapshot(), &camera, arguments.size, looks)
     };
     let draw = |world: &World| draw_with(world, &looks);
     let written = match arguments.film {
-        Some(_) if lacks(Part::Background) => {
-            return Err(Failure::new(
-                exit::USAGE,
-                "a film has a background: leave out `--film` or `--without background`",
-            ));
-        }
         Some(seconds) => film(&mut moving, seconds, draw)
             .and_then(|frames| picture::film(&frames, FRAMES_PER_SECOND).map_err(|error| error.to_string())),
         None if lacks(Part::Background) => {
