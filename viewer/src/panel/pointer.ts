@@ -111,23 +111,26 @@ export class Pointer {
     if (event.button !== 0 || this.placing) return;
     // A finger that moves at once turns the view.
     if (event.pointerType === 'touch') this.resting = setTimeout(() => this.rest(event), REST);
-    else this.take(event);
+    else this.take(this.pick(event), event);
+  }
+
+  private pick({ clientX: x, clientY: y }: PointerEvent): Hit | null {
+    return this.view.pick(x, y);
   }
 
   /** A finger rests on a thing: it is chosen, and taken. */
   private rest(event: PointerEvent): void {
-    const hit = this.view.pick(event.clientX, event.clientY);
+    const hit = this.pick(event);
     if (!hit) return;
     this.hasRested = true;
     this.canvas.classList.add('grabbing');
     navigator.vibrate?.(15);
-    if ('ground' in hit) return;
-    if (!this.isChosen(hit)) this.choose(hit);
-    this.take(event);
+    if (!('ground' in hit) && !this.isChosen(hit)) this.choose(hit);
+    this.take(hit, event);
   }
 
-  private take(event: PointerEvent): void {
-    const hit = this.view.pick(event.clientX, event.clientY);
+  /** Takes the chosen thing, if that is what was hit. */
+  private take(hit: Hit | null, event: PointerEvent): void {
     if (!hit || 'ground' in hit || !this.isChosen(hit)) return;
     if (!this.leading.take(hit) && !this.hands.take(hit, hit.place)) return;
     this.dragged = hit;
@@ -204,7 +207,7 @@ export class Pointer {
       placing.finish(spawnPlace(place));
       return;
     }
-    const hit = this.view.pick(event.clientX, event.clientY);
+    const hit = this.pick(event);
     if ((event.button === 2 || this.hasRested) && hit) this.menu(hit, event.clientX, event.clientY);
     else if (event.button === 0) this.choose(hit && !('ground' in hit) ? hit : null);
   }
