@@ -35,10 +35,6 @@ export class History {
     this.limit();
   }
 
-  private limit(): void {
-    while (this.frames.length > 2 && (this.frames.length > KEPT || this.bytes > MOST_BYTES)) this.thin();
-  }
-
   /** Adds frames of the time before the first one, the oldest first. */
   prepend(frames: readonly ArrayBuffer[]): void {
     const first = this.frames[0]?.time ?? Infinity;
@@ -49,6 +45,10 @@ export class History {
     this.frames = [...known, ...this.frames];
     this.bytes += known.reduce((sum, { bytes }) => sum + bytes.byteLength, 0);
     this.limit();
+  }
+
+  private limit(): void {
+    while (this.frames.length > 2 && (this.frames.length > KEPT || this.bytes > MOST_BYTES)) this.thin();
   }
 
   /** Keeps fewer frames of the time before the last minute, or before the newest half where a minute is too much. */

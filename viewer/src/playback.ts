@@ -120,7 +120,7 @@ export class Playback {
   /** Takes the run before the page was opened, if it is of the world that is shown. */
   takePast({ resets, frames, robots, objects }: Past): void {
     if (this.live.status?.resets !== resets) return;
-    const opened = this.history.range[0] || Infinity;
+    const [opened] = this.history.range;
     this.history.prepend(frames);
     this.presentMarks.takePast(robots, opened);
     for (const { robot, ...known } of robots) if (!this.robots.has(robot)) this.robots.set(robot, known);
