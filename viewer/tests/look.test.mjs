@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { pageTest, spawnRobot } from './pagetest.mjs';
-import { connectClient, waitForNumber } from './server.mjs';
+import { PATIENCE, connectClient, waitForNumber } from './server.mjs';
 
 const PHONE = { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true };
 
@@ -144,12 +144,12 @@ pageTest('propellers turn while a robot hovers', {}, async ({ page }) => {
   const clip = { x: box.x + box.width / 2 - 150, y: box.y + box.height / 2 - 100, width: 300, height: 200 };
   let shown = await page.screenshot({ clip });
   const waitUntil = async (same) => {
-    for (const end = performance.now() + 30_000; performance.now() < end; await page.waitForTimeout(300)) {
+    for (const end = performance.now() + PATIENCE; performance.now() < end; await page.waitForTimeout(300)) {
       const before = shown;
       shown = await page.screenshot({ clip });
       if (shown.equals(before) === same) return;
     }
-    throw new Error(`the view ${same ? 'changes' : 'is the same'} for half a minute`);
+    throw new Error(`the view ${same ? 'changes' : 'is the same'} for ${PATIENCE / 1000} s`);
   };
   await waitUntil(true);
   for (let step = 0; step < 5; step++) await page.keyboard.press('.');

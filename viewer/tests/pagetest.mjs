@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { launchBrowser, openPage, pictures, startServer } from './server.mjs';
+import { PATIENCE, launchBrowser, openPage, pictures, startServer } from './server.mjs';
 
 export const X = '[data-value=x]';
 export const Y = '[data-value=y]';
@@ -19,7 +19,7 @@ after(async () => {
 
 /** Nothing may go to the console as an error. */
 export function pageTest(name, { serve = [], path = '', page: options = {}, mayFail = false }, body) {
-  test(name, { timeout: 120_000 }, async () => {
+  test(name, { timeout: 3 * PATIENCE }, async () => {
     const server = await startServer(...serve);
     const { page, errors, seconds } = await openPage(browser, server.url + path, options);
     try {
@@ -62,13 +62,13 @@ export async function countPixels(page, least, most) {
 
 /** Waits until so many pixels are of a colour. */
 export async function waitForPixels(page, count, least, most) {
-  const end = performance.now() + 30_000;
+  const end = performance.now() + PATIENCE;
   let found = 0;
   while (performance.now() < end) {
     found = await countPixels(page, least, most);
     if (found >= count) return;
   }
-  throw new Error(`${found} pixels after half a minute: expected ${count}`);
+  throw new Error(`${found} pixels after ${PATIENCE / 1000} s: expected ${count}`);
 }
 
 /** Returns the limits of red, green and blue about a colour. */
