@@ -142,15 +142,19 @@ pageTest('poses of the gripper are offered, and its hand is led by a drag', stil
   await shows(page, '#joint-ArmJoint4', 1.79, 0.03);
   await page.click('.poses button:text-is("Pick")');
   await shows(page, '#joint-ArmJoint4', 0.87, 0.03);
-  // By keys alone: up by 8 cm and down again.
+  // By keys alone: up by 8 cm, down again, and up: on the floor the hand would be held by friction.
   const hand = async (where) => {
     await page.focus(`[aria-label="Hand ${where}"]`);
     for (let press = 0; press < 8; press++) await page.keyboard.press('Enter');
   };
+  const isUp = () =>
+    page.waitForFunction(() => Math.abs(Number(document.querySelector('#joint-ArmJoint4').value) - 0.87) > 0.1);
   await hand('up');
-  await page.waitForFunction(() => Math.abs(Number(document.querySelector('#joint-ArmJoint4').value) - 0.87) > 0.1);
+  await isUp();
   await hand('down');
   await shows(page, '#joint-ArmJoint4', 0.87, 0.03);
+  await hand('up');
+  await isUp();
   await page.selectOption('#camera', 'top');
   await waitForView(page, ABOVE);
   // The scale follows with the other numbers.
