@@ -1,4 +1,6 @@
-//! Charts as SVG and PNG, with an embedded font so that they look the same on every machine.
+//! Charts as SVG and PNG, and names over pictures, with an embedded font so that they look the same on every machine.
+
+mod labels;
 
 use std::path::Path;
 use std::sync::Once;
@@ -7,6 +9,8 @@ use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
+
+pub use labels::{Label, write_labels};
 
 /// Size of a picture, pixels.
 const SIZE: (u32, u32) = (760, 460);

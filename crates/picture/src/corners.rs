@@ -1,7 +1,7 @@
 //! Points that a camera has to show.
 
 use nalgebra::{Point3, Vector3};
-use scene::{MapDef, Pose, Shape};
+use scene::{MapDef, ObjectSnapshot, Pose, Shape};
 
 /// Size of the view of an empty map, m.
 const BARE_MAP: [f64; 3] = [4.0, 4.0, 0.1];
@@ -14,6 +14,11 @@ pub fn corners_of_map(map: &MapDef) -> Vec<Point3<f64>> {
         places.extend(corners(&Shape::Box { size: BARE_MAP }, &Pose::identity()));
     }
     places
+}
+
+/// Returns points that span an object.
+pub fn corners_of_object(object: &ObjectSnapshot) -> Vec<Point3<f64>> {
+    corners(&object.def.solid.shape, &object.pose)
 }
 
 /// Returns points that span a shape.

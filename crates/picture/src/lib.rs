@@ -9,13 +9,15 @@ mod corners;
 mod mesh;
 mod pattern;
 mod raster;
+mod seen;
 mod stage;
 
 use nalgebra::{Point3, Vector3};
 use scene::{PawnId, Reading, Sensed, Snapshot, WorldDef};
 
 pub use camera::{Camera, FIELD_OF_VIEW, FROM_CORNER};
-pub use corners::corners_of_map;
+pub use corners::{corners_of_map, corners_of_object};
+pub use seen::seen_places;
 pub use stage::Stage;
 
 use mesh::{Floor, Triangle};

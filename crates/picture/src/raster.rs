@@ -77,7 +77,6 @@ impl Projection {
     }
 
     /// Returns the column and row of a point in front of the eye.
-    #[cfg(test)]
     pub(crate) fn pixel_of(&self, place: &Point3<f64>) -> Option<[f64; 2]> {
         let local = self.local(place);
         let [x, y, _] = self.pixel(&local);

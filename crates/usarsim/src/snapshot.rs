@@ -1,5 +1,7 @@
 //! `usarsim snapshot`.
 
+mod labels;
+
 use std::path::{Path, PathBuf};
 
 use gamebots_proto::command::Command;
@@ -23,6 +25,7 @@ use crate::{Failure, exit, print};
     usarsim snapshot --map slope-4.5 --robot P3AT --start RobotStart2 --seconds 2 \\\n    \
     --drive \"{Left 2} {Right 2}\" --out slope.png --size 1600x900\n  \
     usarsim snapshot --robot Kenaf --without floor,background --out kenaf.png\n  \
+    usarsim snapshot --map factory --labels --out factory.png\n  \
     usarsim snapshot --robot YouBot --drive \"{LateralVelocity 0.2}\" --film 4 --out aside.png --size 640x360\n  \
     usarsim snapshot --scenario stairs --seconds 5 --film 12 --out stairs.png --size 640x400")]
 pub(crate) struct Arguments {
@@ -66,6 +69,9 @@ pub(crate) struct Arguments {
     /// Parts to leave out: what is behind the world is transparent without a background.
     #[arg(long, value_name = "PART,..", value_delimiter = ',')]
     without: Vec<Part>,
+    /// Write the names of robots, objects and starts.
+    #[arg(long)]
+    labels: bool,
     /// Pixels, width x height.
     #[arg(long, default_value = "1280x720", value_name = "WxH", value_parser = size)]
     size: [usize; 2],
@@ -200,7 +206,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let looks = Looks { floor: !lacks(Part::Floor), grid: !lacks(Part::Grid), backdrop: None };
     let draw_with = |world: &World, looks: &Looks| {
-        picture::picture_with(&stage, world.def(), &world.snapshot(), &camera, arguments.size, looks)
+        let size = arguments.size;
+        let mut image = picture::picture_with(&stage, world.def(), &world.snapshot(), &camera, size, looks);
+        if arguments.labels {
+            let labels = labels::labels(&stage, world, &camera, size);
+            charts::write_labels(&mut image.pixels, size, &labels).map_err(|error| error.to_string())?;
+        }
+        Ok(image)
     };
     let draw = |world: &World| draw_with(world, &looks);
     let written = match arguments.film {
@@ -208,9 +220,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             .and_then(|frames| picture::film(&frames, FRAMES_PER_SECOND).map_err(|error| error.to_string())),
         None if lacks(Part::Background) => {
             let before = |backdrop| draw_with(moving.world(), &Looks { backdrop: Some(backdrop), ..looks });
-            Image::cut_out(&before([0.0; 3]), &before([1.0; 3])).map_err(|error| error.to_string())
+            before([0.0; 3])
+                .and_then(|black| Image::cut_out(&black, &before([1.0; 3])?).map_err(|error| error.to_string()))
         }
-        None => draw(moving.world()).to_png().map_err(|error| error.to_string()),
+        None => draw(moving.world()).and_then(|image| image.to_png().map_err(|error| error.to_string())),
     };
     let written = written.and_then(|png| std::fs::write(&arguments.out, png).map_err(|error| error.to_string()));
     written.map_err(|error| Failure::new(exit::FAILURE, format_args!("{}: {error}", arguments.out.display())))?;
@@ -285,14 +298,18 @@ fn demo(name: &str) -> Result<Moving, String> {
 }
 
 /// Draws frames of the world from now on.
-fn film(moving: &mut Moving, seconds: f64, draw: impl Fn(&World) -> Image) -> Result<Vec<Image>, String> {
+fn film(
+    moving: &mut Moving,
+    seconds: f64,
+    draw: impl Fn(&World) -> Result<Image, String>,
+) -> Result<Vec<Image>, String> {
     let count = (seconds * f64::from(FRAMES_PER_SECOND)).round().max(1.0) as u64;
     let progress = ProgressBar::new(count).with_message("frames");
     let begin = moving.world().time();
     let mut pictures = Vec::new();
     for number in 0..count {
         moving.run_to(begin + number as f64 / f64::from(FRAMES_PER_SECOND))?;
-        pictures.push(draw(moving.world()));
+        pictures.push(draw(moving.world())?);
         progress.inc(1);
     }
     progress.finish_and_clear();

@@ -235,6 +235,7 @@ fn what_is_wrong_is_named_with_what_is_right() {
             0,
             "a.png (64 x 48)",
         ),
+        ("snapshot --robot P3AT --labels --film 0.2 --seconds 0 --size 64x48 --out a.png", 0, "a.png (64 x 48)"),
         ("snapshot --robot P3AT --film 1 --without background --out a.png", 2, "a film has a background"),
         ("snapshot --without sky --out a.png", 2, "[possible values: floor, grid, background]"),
         ("snapshot --out a.jpg", 2, "expected a name that ends in .png"),
