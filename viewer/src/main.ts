@@ -11,6 +11,7 @@ import { askToken } from './panel/dialog';
 import { find, remember, remembered, setText } from './panel/dom';
 import { Door } from './panel/door';
 import { DrivePanel } from './panel/drive';
+import { Grasp } from './panel/grasp';
 import { Hands, type Thing } from './panel/hands';
 import { focusView, returnFocusAfterChoice } from './panel/keys';
 import { Leading } from './panel/leading';
@@ -183,6 +184,7 @@ const drive = new DrivePanel(
 const code = new CodePanel(state, drive);
 const sharing = new Sharing(state, view, playback, say);
 const board = new Board(state);
+const grasp = new Grasp(state, hands);
 const mission = new Mission(state, {
   enter: enterScenario,
   again: () => find('reset').click(),
@@ -443,6 +445,11 @@ function removeChosen(): void {
 /** Spawns another robot of the chosen one's class beside it. */
 function copyRobot(): void {
   const [robot, shown] = [state.robot(state.selected), state.robotState(state.selected)];
+function pullByButtons(): void {
+  showTab('drive');
+  if (!grasp.open()) say(whyRefused() ?? 'Nothing is chosen');
+}
+
   if (!robot || !shown) return;
   const [x, y, z] = shown.pose;
   drive.spawnAt(robot.class, [x, y + COPY_DISTANCE, z]);
@@ -500,6 +507,7 @@ function setTheme(dark: boolean): void {
   remember('theme', dark ? 'dark' : 'light');
 }
 
+  grasp.update();
 function setQuality(quality: Quality | 'auto'): void {
   view.setQuality(quality);
   remember('quality', String(quality));
@@ -557,6 +565,7 @@ const possible = () => actions.filter(({ drives }) => !drives || !state.isWatche
 listenToKeys(possible, () => state.hasRobot || !state.isPresent);
 
 find('commands').onclick = () => showCommands(possible());
+  { name: 'Pull the chosen robot or object by buttons', run: pullByButtons },
 find('help').onclick = () => showKeys(possible());
 find('theme').onclick = () => setTheme(document.documentElement.dataset.theme !== 'dark');
 find('map').onclick = () => offerMaps(state, live, transport);

@@ -71,6 +71,42 @@ pageTest('a chosen object shows its facts and is pulled by a spring', rough, asy
   controller.end();
 });
 
+pageTest('keys alone pull, lift and turn the chosen thing, and let it go', rough, async ({ page, server }) => {
+  const controller = await crateFromAbove(page, server);
+  await waitForPlace(page, (at) => Math.abs(at.z + 0.25) < 0.01);
+  await page.keyboard.press('Control+k');
+  await page.fill('dialog input', 'pull by buttons');
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(() => document.activeElement?.ariaLabel === 'Pull along x');
+  const press = async (button, count) => {
+    await page.focus(`#grasp [aria-label="${button}"]`);
+    for (let number = 0; number < count; number++) await page.keyboard.press('Enter');
+  };
+  await press('Pull along x', 10);
+  await press('Pull up', 12);
+  await press('Turn to the right', 10);
+  // It hangs 0.1 m below the place to which it is pulled.
+  await waitForPlace(page, (at) => Math.abs(at.x - 0.5) < 0.02 && Math.abs(at.z + 0.75) < 0.02);
+  await waitForPlace(page, (at) => Math.abs(at.yaw - 57.3) < 1);
+  await page.focus('#let-go');
+  await page.keyboard.press('Enter');
+  await waitForPlace(page, (at) => Math.abs(at.z + 0.25) < 0.01);
+  await page.waitForSelector('#let-go:disabled', { state: 'attached' });
+  // While time stands still it is put exactly there.
+  await page.click('#pause');
+  await page.waitForSelector('#pause[aria-pressed=true]');
+  const [before] = await place(page);
+  await press('Pull against x', 4);
+  await waitForPlace(page, (at) => Math.abs(at.x - before + 0.2) < 0.002);
+  await page.click('#pause');
+  // Another choice lets go of what is held.
+  await press('Pull up', 10);
+  await page.waitForSelector('.view-label.pull', { state: 'attached' });
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('.view-label.pull', { state: 'detached' });
+  controller.end();
+});
+
 pageTest(
   'a finger that rests on a thing takes it, and asks for the menu if it does not move',
   {

@@ -51,3 +51,24 @@ export function save(content: Blob, name: string): void {
   make('a', { href: url, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
+
+/** Time between two acts while a button is held, ms. */
+const REPEAT_INTERVAL = 120;
+
+/** Acts at a press, by pointer or keys, and again and again while the pointer holds the button. */
+export function repeat(button: HTMLElement, act: () => void): void {
+  let timer: ReturnType<typeof setInterval> | undefined;
+  button.onpointerdown = (event) => {
+    if (event.button !== 0) return;
+    act();
+    clearInterval(timer);
+    // The button may go while it is held, or be of no use.
+    timer = setInterval(() => {
+      if (button.isConnected && button.matches(':enabled')) act();
+      else clearInterval(timer);
+    }, REPEAT_INTERVAL);
+  };
+  button.onpointerup = button.onpointerleave = button.onpointercancel = () => clearInterval(timer);
+  // A key's click has no pointer.
+  button.onclick = ({ detail }) => detail === 0 && act();
+}

@@ -25,6 +25,7 @@ export const TURN = 0.01;
 
 /** The thing in the hand, as it was taken. */
 interface Taken {
+  thing: Thing;
   name: string;
   pose: Pose;
   /** Place that was taken. */
@@ -54,14 +55,26 @@ export class Hands {
     return this.state.isPresent && this.refused() === null;
   }
 
-  /** Takes a thing at a place of the world. Returns false if it is not there, or this page may not. */
+  /** True if a thing is in the hand. */
+  holds(thing: Thing): boolean {
+    return JSON.stringify(this.taken?.thing) === JSON.stringify(thing);
+  }
+
+  /** Returns the place of a thing. */
+  placeOf(thing: Thing): Vector | null {
+    const pose = this.poseOf(thing);
+    return pose && [pose[0], pose[1], pose[2]];
+  }
+
+  /** Takes a thing at a place of the world, and lets go of what is in the hand. Returns false if it is not there, or this page may not. */
   take(thing: Thing, place: Vector): boolean {
     if (!this.mayAct) return false;
+    this.release();
     const pose = this.poseOf(thing);
     const name = this.nameOf(thing);
     if (!pose || name === null) return false;
     const isPaused = this.state.status?.paused === true;
-    this.taken = { name, pose, place, grip: ownPoint(pose, place), isPaused, isPulled: false };
+    this.taken = { thing, name, pose, place, grip: ownPoint(pose, place), isPaused, isPulled: false };
     return true;
   }
 

@@ -5,7 +5,7 @@ import type { Client } from '../protocol/client';
 import type { RobotState } from '../protocol/frame';
 import type { Gripper, Joint, RobotClass, Vector } from '../protocol/scene';
 import { DEGREES } from '../values';
-import { fixed, make, remember, remembered, setText } from './dom';
+import { fixed, make, remember, remembered, repeat, setText } from './dom';
 
 type JointState = RobotState['joints'][number];
 
@@ -23,9 +23,8 @@ const IN_DEGREES = { unit: '°', factor: DEGREES, digits: 1 };
 let isInDegrees = remembered('angles') === 'degrees';
 /** Poses of a class that are kept, at most. */
 const MOST_POSES = 8;
-/** Way of the hand at a press, m, and time between two while a button is held, ms. */
+/** Way of the hand at a press, m. */
 const NUDGE = 0.01;
-const NUDGE_INTERVAL = 120;
 /** Ways of the hand along the robot's axes. */
 const NUDGES: [string, string, Vector][] = [
   ['ahead', '↑', [1, 0, 0]],
@@ -176,24 +175,6 @@ export class JointsPanel {
     this.element.disabled = !mayMove || !robot;
     if (robot) this.rows.forEach((row) => row.follow(robot.joints));
   }
-}
-
-/** Acts at a press, by pointer or keys, and again and again while the pointer holds the button. */
-function repeat(button: HTMLElement, act: () => void): void {
-  let timer: ReturnType<typeof setInterval> | undefined;
-  button.onpointerdown = (event) => {
-    if (event.button !== 0) return;
-    act();
-    clearInterval(timer);
-    // The button may go while it is held, or be of no use.
-    timer = setInterval(() => {
-      if (button.isConnected && button.matches(':enabled')) act();
-      else clearInterval(timer);
-    }, NUDGE_INTERVAL);
-  };
-  button.onpointerup = button.onpointerleave = button.onpointercancel = () => clearInterval(timer);
-  // A key's click has no pointer.
-  button.onclick = ({ detail }) => detail === 0 && act();
 }
 
 class JointRow {
