@@ -47,8 +47,11 @@ import { State } from './state';
 import { QUALITIES, RUNGS } from './view/quality';
 import { type Quality, View } from './view/view';
 
-/** Intervals between two updates of numbers, ms, with a graphics card and without one, where each costs as much as a frame; and of plots. */
-const PANEL_INTERVAL = { hardware: 100, software: 250 };
+/**
+ * Intervals between two updates of numbers, ms, and of plots. Without a graphics card each costs as much as a picture, so there are fewer while
+ * a still picture is drawn.
+ */
+const PANEL_INTERVAL = { hardware: 100, software: 250, refining: 1000 };
 const PLOT_INTERVAL = 250;
 /** Interval between two looks at own robots and gamepads, ms. */
 const DRIVE_INTERVAL = 100;
@@ -181,10 +184,10 @@ const drive = new DrivePanel(
   (robotClass) => live.classOf(robotClass),
   transport,
 );
+const grasp = new Grasp(state, hands);
 const code = new CodePanel(state, drive);
 const sharing = new Sharing(state, view, playback, say);
 const board = new Board(state);
-const grasp = new Grasp(state, hands);
 const mission = new Mission(state, {
   enter: enterScenario,
   again: () => find('reset').click(),
@@ -442,14 +445,14 @@ function removeChosen(): void {
   else say('Nothing is chosen');
 }
 
-/** Spawns another robot of the chosen one's class beside it. */
-function copyRobot(): void {
-  const [robot, shown] = [state.robot(state.selected), state.robotState(state.selected)];
 function pullByButtons(): void {
   showTab('drive');
   if (!grasp.open()) say(whyRefused() ?? 'Nothing is chosen');
 }
 
+/** Spawns another robot of the chosen one's class beside it. */
+function copyRobot(): void {
+  const [robot, shown] = [state.robot(state.selected), state.robotState(state.selected)];
   if (!robot || !shown) return;
   const [x, y, z] = shown.pose;
   drive.spawnAt(robot.class, [x, y + COPY_DISTANCE, z]);
@@ -483,12 +486,28 @@ function openSpawn(): void {
   drive.focusForm();
 }
 
+/** Returns what does something at times that are so far apart, ms. */
+function every(interval: () => number, run: () => void): (now: number) => void {
+  let last = -Infinity;
+  return (now) => {
+    if (now - last < interval()) return;
+    last = now;
+    run();
+  };
+}
+
+function panelInterval(): number {
+  if (!view.isSoftware) return PANEL_INTERVAL.hardware;
+  return view.isRefining ? PANEL_INTERVAL.refining : PANEL_INTERVAL.software;
+}
+
 /** Brings the numbers of all panels up to date. */
 function showNumbers(): void {
   play.updateTime();
   pace.update(state.isPresent ? state.status : null);
   world.updateValues();
   objectPanel.update();
+  grasp.update();
   mapPanel.update();
   tools.updateDepths();
   drive.followJoints();
@@ -507,7 +526,6 @@ function setTheme(dark: boolean): void {
   remember('theme', dark ? 'dark' : 'light');
 }
 
-  grasp.update();
 function setQuality(quality: Quality | 'auto'): void {
   view.setQuality(quality);
   remember('quality', String(quality));
@@ -547,6 +565,7 @@ const actions: Action[] = [
   { name: 'Reset world', run: press('reset') },
   { name: 'Remove the chosen robot or object', run: removeChosen },
   { name: 'Menu of the chosen robot or object', key: 'u', shown: 'U', run: () => menu.openOfChosen() },
+  { name: 'Pull the chosen robot or object by buttons', run: pullByButtons },
   { name: 'Put something in the middle of the view', drives: true, run: () => menu.openOfMiddle() },
   { name: 'Score board of a league: large or small', key: 'b', shown: 'B', run: () => board.toggle() },
   { name: 'Save the picture as PNG', run: press('screenshot') },
@@ -565,7 +584,6 @@ const possible = () => actions.filter(({ drives }) => !drives || !state.isWatche
 listenToKeys(possible, () => state.hasRobot || !state.isPresent);
 
 find('commands').onclick = () => showCommands(possible());
-  { name: 'Pull the chosen robot or object by buttons', run: pullByButtons },
 find('help').onclick = () => showKeys(possible());
 find('theme').onclick = () => setTheme(document.documentElement.dataset.theme !== 'dark');
 find('map').onclick = () => offerMaps(state, live, transport);
@@ -579,6 +597,12 @@ find('fullscreen').onclick = () =>
   void (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen());
 find('view').addEventListener('dblclick', focusView);
 
-setInterval(() => plots.draw(), PLOT_INTERVAL);
 setInterval(() => drive.follow(), DRIVE_INTERVAL);
-setInterval(showNumbers, view.isSoftware ? PANEL_INTERVAL.software : PANEL_INTERVAL.hardware);
+const paced = [
+  every(panelInterval, showNumbers),
+  every(
+    () => Math.max(PLOT_INTERVAL, panelInterval()),
+    () => plots.draw(),
+  ),
+];
+view.onFrame = (now) => paced.forEach((run) => run(now));

@@ -1,6 +1,6 @@
 /** Comparison of two frames: true if something visible differs. */
 
-import type { Frame, ObjectState, RobotState } from '../protocol/frame';
+import type { Frame, ObjectState, Pull, RobotState } from '../protocol/frame';
 
 /** Less is not seen: m and parts of a quaternion; rad of a wheel. */
 const LEAST_MOVE = 5e-5;
@@ -17,6 +17,7 @@ export interface Counted {
 export function moved(before: Frame, after: Frame, counted: Counted): boolean {
   if (before.robots.length !== after.robots.length) return true;
   if (objectsDiffer(before.objects, after.objects)) return true;
+  if (differ(before.pulls.map(numbersOf), after.pulls.map(numbersOf))) return true;
   return after.robots.some((robot, index) => {
     const last = before.robots[index];
     if (!last || last.id !== robot.id || (counted.forces && robot.contacts.length > 0)) return true;
@@ -37,6 +38,11 @@ function objectsDiffer(before: ObjectState[], after: ObjectState[]): boolean {
   if (after.some(({ number }, index) => number !== before[index]?.number)) return true;
   const poses = (objects: ObjectState[]) => objects.map(({ pose }) => pose);
   return differ(poses(before), poses(after));
+}
+
+/** Numbers of a pull, its force in a unit in which half of the digit that is shown is LEAST_MOVE. */
+function numbersOf({ from, to, force }: Pull): number[] {
+  return [...from, ...to, (force / 0.05) * LEAST_MOVE];
 }
 
 function differ(before: number[][], after: number[][]): boolean {

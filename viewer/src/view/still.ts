@@ -7,8 +7,8 @@ import type { Stage } from './stage';
 
 /** Time without motion after which it is drawn, ms. */
 const REST = 250;
-/** Pixels of a strip, with a graphics card and without one: the memory that it takes there, and a third of a second here. */
-const STRIP = { hardware: 1_500_000, software: 120_000 };
+/** Pixels of a strip, with a graphics card and without one: the memory that it takes there, and 0.4 s here. */
+const STRIP = { hardware: 1_500_000, software: 150_000 };
 /** Most pixels along one of the page's pixels. */
 const FINEST = 2;
 

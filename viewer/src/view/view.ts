@@ -38,6 +38,8 @@ const ROOM = 0.6;
 const LABEL_INTERVAL = 120;
 /** A picture is not started while so many are not done. */
 const MOST_BEHIND = 2;
+/** Distance at which a line about a robot follows a coarse shape, over that at which the robot has one. */
+const COARSER = 3;
 /** Lines about the object under the pointer, and about the chosen one. */
 const HOVERED = '#8fa3bd';
 const CHOSEN = '#f0a020';
@@ -191,8 +193,7 @@ export class View {
     const counted = { forces: this.shown.get('forces') === true, rollers: this.stage.sharpness >= 1 };
     const drawn = this.drawnFrame;
     const turned = frame.time !== drawn?.time && this.world?.robots.spin === true;
-    const isPulled = frame.pulls.length > 0 || (drawn?.pulls.length ?? 0) > 0;
-    if (drawn && !turned && !isPulled && !moved(drawn, frame, counted)) return;
+    if (drawn && !turned && !moved(drawn, frame, counted)) return;
     this.stir();
     this.stage.renewShadows();
   }
@@ -268,6 +269,12 @@ export class View {
   /** Tells which camera is on when that changes. */
   onCamera: (mode: CameraMode) => void = () => {};
 
+  /**
+   * Is called with each frame of the browser in which there is time for a picture, ms. What changes the page then costs no frame of its own:
+   * without a graphics card one takes as long as a picture.
+   */
+  onFrame: (now: number) => void = () => {};
+
   /** Shows the whole map as at first; the camera from above stays there. */
   home(): void {
     this.cameras.wasTouched = true;
@@ -291,6 +298,11 @@ export class View {
   /** True if the browser draws without a graphics card. */
   get isSoftware(): boolean {
     return this.stage.isSoftware;
+  }
+
+  /** True while a still picture is drawn. */
+  get isRefining(): boolean {
+    return this.still.isBegun && !this.still.isShown;
   }
 
   /** Holds a rung of quality, or lets it follow the time that a frame takes. */
@@ -458,6 +470,7 @@ export class View {
     const seconds = Math.min(0.1, (now - this.last) / 1000);
     if (!this.world || this.stage.stopwatch.behind >= MOST_BEHIND) return;
     this.last = now;
+    this.onFrame(now);
     if (!this.stale && !this.cameras.isMoving) {
       // With the last frame it may have been too soon to move them.
       if (this.labels.isBusy || this.labelled < (this.drawn.at(-1) ?? 0)) this.placeLabels(now);
@@ -522,7 +535,9 @@ export class View {
       const distance = eye.distanceTo(new THREE.Vector3(px, py, pz));
       this.outline.suit(selected.fleet.size * this.pixelsPerMetre(Math.max(0.1, distance)));
     }
-    const parts = selected ? selected.fleet.parts(selected.state, { eye, sharpness }, frame.time) : chosen;
+    // Of few pixels a coarse shape has the same line, and the line draws it twice.
+    const coarse = sharpness < 1 ? sharpness / COARSER : sharpness;
+    const parts = selected ? selected.fleet.parts(selected.state, { eye, sharpness: coarse }, frame.time) : chosen;
     this.outline.place(parts, selected ? this.colours(selected.state.id) : CHOSEN);
     this.drawnFrame = frame;
   }
