@@ -239,7 +239,8 @@ pageTest('the keys drive all own robots together once that is chosen', rough, as
   await spawnRobot(page, { robotClass: 'P3AT' });
   assert.deepEqual(await page.locator('select[name=own] option').allTextContents(), ['Robot1']);
   await spawnRobot(page, { robotClass: 'P3AT', start: 'RobotStart1' });
-  await page.waitForSelector('[data-robot="1"]');
+  // A robot that arrives later is driven again by the keys that are held.
+  await until(async () => (await page.locator('[data-robot]:has-text("yours")').count()) === 2, 'two robots');
   await page.selectOption('select[name=own]', 'all together');
   await page.focus('#canvas');
   const full = () => lines.filter((line) => line === 'DRIVE {Normalized true} {Left 40.0} {Right 40.0}').length;
