@@ -17,24 +17,23 @@ pub(super) fn labels(stage: &Stage, world: &World, camera: &Camera, size: [usize
         (name.clone(), above(robot.body.pose.translation.vector.into(), &corners))
     });
     let objects = snapshot.objects.iter().map(|object| {
-        (
-            object.def.solid.name.clone(),
-            above(object.pose.translation.vector.into(), &picture::corners_of_object(object)),
-        )
+        let place = above(object.pose.translation.vector.into(), &picture::corners_of_object(object));
+        (object.def.solid.name.clone(), place)
     });
     let starts = def.map.starts.iter().map(|start| (start.name.clone(), Point3::from(start.position)));
+    let distance = |(_, place): &(String, Point3<f64>)| (place - camera.eye).norm();
     let mut names = Vec::new();
-    for (kind, found) in [robots.collect::<Vec<_>>(), objects.collect(), starts.collect()].into_iter().enumerate() {
-        names.extend(found.into_iter().filter(|(name, _)| !name.is_empty()).map(|(name, place)| (kind, name, place)));
+    for mut kind in [robots.collect::<Vec<_>>(), objects.collect(), starts.collect()] {
+        kind.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        names.append(&mut kind);
     }
-    let distance = |place: &Point3<f64>| (place - camera.eye).norm();
-    names.sort_by(|a, b| a.0.cmp(&b.0).then(distance(&a.2).total_cmp(&distance(&b.2))));
-    let places: Vec<Point3<f64>> = names.iter().map(|(_, _, place)| *place).collect();
+    let places: Vec<Point3<f64>> = names.iter().map(|(_, place)| *place).collect();
     let seen = picture::seen_places(stage, def, &snapshot, camera, size, &places, MARGIN);
-    let label = |((kind, text, _), at): ((usize, String, _), Option<[f64; 2]>)| {
-        Some(Label { text, at: at?, is_above: kind == 0 })
+    let robots = snapshot.robots.len();
+    let label = |(number, ((text, _), at)): (usize, ((String, _), Option<[f64; 2]>))| {
+        Some(Label { text, at: at?, is_above: number < robots })
     };
-    names.into_iter().zip(seen).filter_map(label).collect()
+    names.into_iter().zip(seen).enumerate().filter_map(label).collect()
 }
 
 /// Returns the place above a middle at the height of the highest corner: z points down.
