@@ -243,10 +243,15 @@ pageTest('the keys drive all own robots together once that is chosen', rough, as
   await until(async () => (await page.locator('[data-robot]:has-text("yours")').count()) === 2, 'two robots');
   await page.selectOption('select[name=own]', 'all together');
   await page.focus('#canvas');
-  const full = () => lines.filter((line) => line === 'DRIVE {Normalized true} {Left 40.0} {Right 40.0}').length;
+  const count = (speed) =>
+    lines.filter((line) => line === `DRIVE {Normalized true} {Left ${speed}.0} {Right ${speed}.0}`).length;
+  const full = () => count(40);
   await page.keyboard.down('w');
   await until(() => full() === 2, 'both drive');
+  const stops = count(0);
   await page.keyboard.up('w');
+  // A key that is pressed again before that drives on without another line.
+  await until(() => count(0) === stops + 2, 'both stop');
   // The other choice leaves the second one alone again.
   await page.selectOption('select[name=own]', 'Robot1');
   await page.focus('#canvas');
