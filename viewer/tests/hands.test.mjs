@@ -99,7 +99,8 @@ pageTest('keys alone pull, lift and turn the chosen thing, and let it go', rough
   await press('Pull against x', 4);
   await waitForPlace(page, (at) => Math.abs(at.x - before + 0.2) < 0.002);
   await page.click('#pause');
-  // Another choice lets go of what is held.
+  await page.waitForSelector('#pause[aria-pressed=false]');
+  // Escape lets go of what is held, too.
   await press('Pull up', 10);
   await page.waitForSelector('.view-label.pull', { state: 'attached' });
   await page.keyboard.press('Escape');
