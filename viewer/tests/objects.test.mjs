@@ -47,11 +47,33 @@ test('another object at the same place is seen', () => {
     time: 0,
     robots: [],
     objects: numbers.map((number) => ({ number, pose: pose(1) })),
+    pulls: [],
   });
   assert.equal(moved(frame(0, 5), frame(0, 5), false), false);
   assert.equal(moved(frame(0, 5), frame(0, 6), false), true);
   assert.equal(moved(frame(0, 5), frame(0), false), true);
   assert.equal(moved(frame(), frame(5), false), true);
+});
+
+test('a pull is seen that begins, moves or gets stronger, but not one that holds', () => {
+  const frame = (...forces) => ({
+    time: 0,
+    robots: [],
+    objects: [],
+    pulls: forces.map((force) => ({ from: [0, 0, 0], to: [0, 0, -0.1], force })),
+  });
+  for (const [before, after, isSeen] of [
+    [[], [9.81], true],
+    [[9.81], [], true],
+    [[9.81], [9.83], false],
+    [[9.81], [9.9], true],
+    [[9.81], [9.81, 1], true],
+  ]) {
+    assert.equal(moved(frame(...before), frame(...after), {}), isSeen, `${before} ${after}`);
+  }
+  const moving = frame(9.81);
+  moving.pulls[0].to = [0, 0, -0.2];
+  assert.equal(moved(frame(9.81), moving, {}), true);
 });
 
 /** A screen that keeps what it was told last. */
