@@ -211,7 +211,8 @@ pageTest(
   async ({ page, server }) => {
     const early = 'INIT {ClassName USARBot.P3AT} {Name Early} {Start RobotStart1}';
     const client = await connectClient(server.port, early, 'DRIVE {Left 2} {Right 2}');
-    await client.reaches(3);
+    const came = await client.reaches(0);
+    const left = await client.reaches(came + 2);
     client.end();
     await page.waitForSelector('.mark[title$="Early left"]', { state: 'attached' });
     const { page: late, errors } = await openPage(page.context().browser(), server.url, {
@@ -222,7 +223,7 @@ pageTest(
     }
     const { min, max } = await late.locator('#timeline').evaluate(({ min, max }) => ({ min: +min, max: +max }));
     assert.ok(min < 1.5, `the past begins at ${min} s`);
-    await look(late, (2.5 - min) / (max - min));
+    await look(late, ((came + left) / 2 - min) / (max - min));
     await late.waitForSelector(BAND);
     await late.waitForFunction(() => {
       const label = [...document.querySelectorAll('.view-label.robot')].find((it) => it.textContent === 'Early');
@@ -230,7 +231,7 @@ pageTest(
     });
     // It began anew: nothing of the run before is left.
     await page.click('#reset');
-    await late.waitForFunction(() => Number(document.querySelector('#timeline').max) < 2.5);
+    await late.waitForFunction((left) => Number(document.querySelector('#timeline').max) < left, left);
     assert.equal(await late.locator('.mark[title$="Early left"]').count(), 0);
     assert.deepEqual(errors, []);
     await late.context().close();
