@@ -270,8 +270,8 @@ export class View {
   onCamera: (mode: CameraMode) => void = () => {};
 
   /**
-   * Is called with each frame of the browser in which there is time for a picture, ms. What changes the page then costs no frame of its own:
-   * without a graphics card one takes as long as a picture.
+   * Takes part in each frame of the browser in which there is time for a picture, at its time, ms. What changes the page then costs no frame of
+   * its own: without a graphics card one takes as long as a picture.
    */
   onFrame: (now: number) => void = () => {};
 

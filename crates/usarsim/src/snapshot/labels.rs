@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use picture::{Camera, Stage};
 use sim_core::World;
 
-/// What is in front of a name by less than this does not hide it, m.
+/// Thickness of what may stand in front of a name without hiding it, m.
 const MARGIN: f64 = 0.1;
 
 /// Returns the names of the robots, the objects and the starts that a camera sees: each kind from near to far.
