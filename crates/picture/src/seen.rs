@@ -37,7 +37,7 @@ pub fn seen_places(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FIELD_OF_VIEW, FROM_CORNER};
+    use crate::FIELD_OF_VIEW;
     use sim_core::{Options, World};
 
     #[test]
@@ -55,11 +55,11 @@ mod tests {
             let [Some([x, y]), None, None] = seen[..] else { panic!("{seen:?}") };
             assert!((x - size[0] as f64 / 2.0).abs() < 3.0 && (y - size[1] as f64 / 2.0).abs() < 3.0, "{x} {y}");
         }
-        // From the corner, a place on the far side of each solid is behind it.
+        // From the corner, a place on the far side of a solid is behind it.
         let camera = Camera::of_map(&def.map, [300, 200]);
         let solid = def.map.solids.iter().find(|solid| matches!(solid.shape, scene::Shape::Box { .. })).unwrap();
         let middle = Point3::from(solid.pose().translation.vector);
-        let [before, behind] = [-3.0, 3.0].map(|by| middle + FROM_CORNER.normalize() * by);
+        let [before, behind] = [-3.0, 3.0].map(|by| middle + (middle - camera.eye).normalize() * by);
         let seen = seen_places(&stage, def, &snapshot, &camera, [300, 200], &[before, behind], 0.1);
         assert!(seen[0].is_some() && seen[1].is_none(), "{seen:?}");
     }
