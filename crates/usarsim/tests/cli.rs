@@ -332,7 +332,8 @@ fn a_client_that_comes_again_and_again_does_not_fill_the_disk() {
     let mut server = Serving::start_with(&["--no-http"], std::fs::File::create(&said).expect("a file").into());
     let begin = Instant::now();
     let lines: String = (0..50).map(|number| format!("RUBBISH{number} {{x}}\r\n")).collect();
-    for _ in 0..200 {
+    // What was left out of a second is said after it.
+    while begin.elapsed() < Duration::from_millis(3500) {
         let mut client = server.connect();
         client.write_all(lines.as_bytes()).expect("it is taken");
         client.shutdown(std::net::Shutdown::Write).expect("it ends");
@@ -344,8 +345,8 @@ fn a_client_that_comes_again_and_again_does_not_fill_the_disk() {
     let said = std::fs::read_to_string(&said).expect("a file");
     let most = 22 * (begin.elapsed().as_secs() as usize + 2);
     let count = said.lines().count();
-    assert!((20..=most).contains(&count), "{count} lines, expected at most {most} of 10 000\n{said}");
-    assert!(said.contains("further problems were not logged") || begin.elapsed() < Duration::from_secs(1), "{said}");
+    assert!((20..=most).contains(&count), "{count} lines, expected at most {most}\n{said}");
+    assert!(said.contains("further problems were not logged"), "{said}");
 }
 
 #[test]
