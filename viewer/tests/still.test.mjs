@@ -83,7 +83,7 @@ test('free rollers that turn on after a robot has stopped are no motion where no
   const { module } = await runnerImport(join(root, 'viewer/src/view/moved.ts'));
   const frame = (angle, turn) => {
     const robot = { id: 1, pose: [0, 0, 0, 0, 0, 0, 1], links: [], wheels: [{ angle, rollers: [turn] }], contacts: [] };
-    return { robots: [robot], objects: [] };
+    return { robots: [robot], objects: [], pulls: [] };
   };
   const moves = (after, rollers) => module.moved(frame(0, 0), after, { forces: false, rollers });
   assert.deepEqual(
