@@ -40,11 +40,9 @@ export class ContextMenu {
 
   /** Opens it for what is chosen, in the middle of the view. */
   openOfChosen(): void {
-    const { selected: robot, chosenObject: object } = this.state;
-    const place: Vector = [0, 0, 0];
+    const { chosen } = this.hands;
     const [x, y] = middle();
-    if (object !== null) this.open({ object, place }, x, y);
-    else if (robot !== null) this.open({ robot, link: null, place }, x, y);
+    if (chosen) this.open({ link: null, ...chosen, place: [0, 0, 0] }, x, y);
     else this.openOfMiddle();
   }
 

@@ -20,9 +20,16 @@ const WAYS: [string, string, Vector, number][] = [
 ];
 const SHOWN = 'grasp';
 
+/** A thing that is held, the place to which it is pulled, its turn, rad, and true if time stood still when it was taken. */
+interface Held {
+  thing: Thing;
+  to: Vector;
+  turn: number;
+  isPaused: boolean;
+}
+
 export class Grasp {
-  /** The thing that is held, the place to which it is pulled, its turn, rad, and true if time stood still when it was taken. */
-  private held: { thing: Thing; to: Vector; turn: number; isPaused: boolean } | null = null;
+  private held: Held | null = null;
   private readonly element: HTMLDetailsElement;
   private readonly buttons: HTMLButtonElement[];
   private readonly end = make('button', { type: 'button', id: 'let-go', disabled: '' }, 'Let go');
@@ -57,35 +64,31 @@ export class Grasp {
 
   /** Shows what may be done now; to be called a few times a second. What is no longer chosen is let go. */
   update(): void {
-    const [{ held, chosen, hands }, mayAct] = [this, this.hands.mayAct];
-    const isOver = held && !(mayAct && chosen && same(chosen, held.thing) && hands.holds(held.thing));
-    if (isOver) this.letGo();
-    this.element.hidden = !chosen || !mayAct;
+    const { held, hands } = this;
+    if (held && !(hands.mayAct && hands.isChosen(held.thing) && hands.holds(held.thing))) this.letGo();
+    this.element.hidden = !hands.chosen || !hands.mayAct;
     this.end.disabled = this.held === null;
     if (this.element.hidden) return;
     setText(this.end, this.held?.isPaused ? 'Done' : 'Let go');
   }
 
-  private get chosen(): Thing | null {
-    const { chosenObject: object, selected: robot } = this.state;
-    if (object !== null) return { object };
-    return robot === null ? null : { robot };
+  private press(way: Vector, turn: number): void {
+    const held = this.holdChosen();
+    if (!held) return;
+    held.to = held.to.map((at, axis) => at + (way[axis] ?? 0)) as Vector;
+    held.turn += turn;
+    this.hands.pull(held.to, held.turn / TURN);
+    this.update();
   }
 
-  private press(way: Vector, turn: number): void {
-    const [thing, isPaused] = [this.chosen, this.state.status?.paused === true];
-    if (!thing) return;
-    const { held } = this;
-    if (!held || held.isPaused !== isPaused || !same(thing, held.thing) || !this.hands.holds(thing)) {
-      const to = this.hands.placeOf(thing);
-      if (!to || !this.hands.take(thing, to)) return;
-      this.held = { thing, to, turn: 0, isPaused };
-    }
-    if (!this.held) return;
-    const to = this.held.to.map((at, axis) => at + (way[axis] ?? 0)) as Vector;
-    this.held = { ...this.held, to, turn: this.held.turn + turn };
-    this.hands.pull(to, this.held.turn / TURN);
-    this.update();
+  /** Returns the chosen thing as it is held, and takes it if it is not, or was taken before time was stopped or went on. */
+  private holdChosen(): Held | null {
+    const [{ held, hands }, thing, isPaused] = [this, this.hands.chosen, this.state.status?.paused === true];
+    if (!thing) return null;
+    if (held && held.isPaused === isPaused && hands.isChosen(held.thing) && hands.holds(thing)) return held;
+    const to = hands.placeOf(thing);
+    this.held = to && hands.take(thing, to) ? { thing, to, turn: 0, isPaused } : null;
+    return this.held;
   }
 
   private letGo(): void {
@@ -93,8 +96,4 @@ export class Grasp {
     this.held = null;
     this.end.disabled = true;
   }
-}
-
-function same(one: Thing, other: Thing): boolean {
-  return JSON.stringify(one) === JSON.stringify(other);
 }

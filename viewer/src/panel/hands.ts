@@ -18,6 +18,11 @@ const ROOM = 0.1;
 /** Robot or object that somebody takes. */
 export type Thing = { robot: number } | { object: number };
 
+function isSame(one: Thing, other: Thing): boolean {
+  if ('robot' in one) return 'robot' in other && one.robot === other.robot;
+  return 'object' in other && one.object === other.object;
+}
+
 /** Least time between two lines, ms. */
 const INTERVAL = 40;
 /** Turn for a pixel, rad. */
@@ -55,9 +60,21 @@ export class Hands {
     return this.state.isPresent && this.refused() === null;
   }
 
+  /** The robot or object that is chosen. */
+  get chosen(): Thing | null {
+    const { chosenObject: object, selected: robot } = this.state;
+    if (object !== null) return { object };
+    return robot === null ? null : { robot };
+  }
+
+  /** True if a thing is the chosen one. */
+  isChosen(thing: Thing): boolean {
+    return this.chosen !== null && isSame(thing, this.chosen);
+  }
+
   /** True if a thing is in the hand. */
   holds(thing: Thing): boolean {
-    return JSON.stringify(this.taken?.thing) === JSON.stringify(thing);
+    return this.taken !== null && isSame(thing, this.taken.thing);
   }
 
   /** Returns the place of a thing. */

@@ -125,13 +125,13 @@ export class Pointer {
     this.hasRested = true;
     this.canvas.classList.add('grabbing');
     navigator.vibrate?.(15);
-    if (!('ground' in hit) && !this.isChosen(hit)) this.choose(hit);
+    if (!('ground' in hit) && !this.hands.isChosen(hit)) this.choose(hit);
     this.take(hit, event);
   }
 
   /** Takes the chosen thing, if that is what was hit. */
   private take(hit: Hit | null, event: PointerEvent): void {
-    if (!hit || 'ground' in hit || !this.isChosen(hit)) return;
+    if (!hit || 'ground' in hit || !this.hands.isChosen(hit)) return;
     if (!this.leading.take(hit) && !this.hands.take(hit, hit.place)) return;
     this.dragged = hit;
     this.to = hit.place;
@@ -140,11 +140,6 @@ export class Pointer {
     this.view.holdCamera(true);
     this.canvas.classList.add('grabbing');
     this.canvas.setPointerCapture(event.pointerId);
-  }
-
-  private isChosen(thing: Thing): boolean {
-    const { selected, chosenObject } = this.state;
-    return 'robot' in thing ? chosenObject === null && thing.robot === selected : thing.object === chosenObject;
   }
 
   private over(event: PointerEvent): void {
