@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { PATIENCE, launchBrowser, openPage, pictures, startServer } from './server.mjs';
+import { PATIENCE, launchBrowser, openPage, pictures, startServer, until } from './server.mjs';
 
 export const X = '[data-value=x]';
 export const Y = '[data-value=y]';
@@ -62,13 +62,9 @@ export async function countPixels(page, least, most) {
 
 /** Waits until so many pixels are of a colour. */
 export async function waitForPixels(page, count, least, most) {
-  const end = performance.now() + PATIENCE;
   let found = 0;
-  while (performance.now() < end) {
-    found = await countPixels(page, least, most);
-    if (found >= count) return;
-  }
-  throw new Error(`${found} pixels after ${PATIENCE / 1000} s: expected ${count}`);
+  const areThere = async () => (found = await countPixels(page, least, most)) >= count;
+  await until(areThere, () => `${found} pixels, expected ${count}`);
 }
 
 /** Returns the limits of red, green and blue about a colour. */

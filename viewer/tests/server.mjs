@@ -18,13 +18,13 @@ mkdirSync(pictures, { recursive: true });
 /** Longest wait for a condition, ms. Only a test that fails waits so long: a busy machine may be five times slower than an idle one. */
 export const PATIENCE = 100_000;
 
-/** Waits until a condition holds. Returns its value. */
+/** Waits until a condition holds. Returns its value. `what` says, or returns at the end, what did not come. */
 export async function until(condition, what = String(condition)) {
   for (const end = performance.now() + PATIENCE; performance.now() < end; await sleep(20)) {
     const value = await condition();
     if (value) return value;
   }
-  throw new Error(`not so for ${PATIENCE / 1000} s: ${what}`);
+  throw new Error(`not so for ${PATIENCE / 1000} s: ${typeof what === 'function' ? what() : what}`);
 }
 
 /** Starts `usarsim serve` and waits until it is ready. `logged` waits for a text in what it writes to its log. */
@@ -135,12 +135,11 @@ export async function number(page, selector) {
 
 /** Waits until there is a number and it fits. */
 export async function waitForNumber(page, selector, fits) {
-  const end = performance.now() + PATIENCE;
   let value = Number.NaN;
-  while (performance.now() < end) {
+  const isThere = async () => {
     value = await number(page, selector);
-    if (!Number.isNaN(value) && fits(value)) return value;
-    await page.waitForTimeout(30);
-  }
-  throw new Error(`${selector} is ${value} for ${PATIENCE / 1000} s: expected ${fits}`);
+    return !Number.isNaN(value) && fits(value);
+  };
+  await until(isThere, () => `${selector} is ${value}, expected ${fits}`);
+  return value;
 }
