@@ -1,5 +1,6 @@
 //! Names over a picture.
 
+use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -30,19 +31,29 @@ const COVERS: f64 = 0.85;
 ///
 /// # Errors
 /// When they cannot be drawn.
-pub fn write_labels(pixels: &mut [[u8; 3]], [width, height]: [usize; 2], labels: &[Label]) -> Result<(), ChartError> {
+pub fn write_labels(pixels: &mut [[u8; 3]], size: [usize; 2], labels: &[Label]) -> Result<(), ChartError> {
     register_fonts();
-    let letters = (height as f64 / RATIO).max(LEAST);
-    let refused = |reason: String| ChartError { file: "picture".to_owned(), reason };
-    let area = BitMapBackend::with_buffer(pixels.as_flattened_mut(), (width as u32, height as u32)).into_drawing_area();
+    let [width, height] = size.map(|edge| edge as u32);
+    let area = BitMapBackend::with_buffer(pixels.as_flattened_mut(), (width, height)).into_drawing_area();
+    let refused =
+        |reason: DrawingAreaErrorKind<_>| ChartError { file: "picture".to_owned(), reason: reason.to_string() };
+    draw(&area, size.map(|edge| edge as f64), labels).map_err(refused)
+}
+
+fn draw<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    [width, height]: [f64; 2],
+    labels: &[Label],
+) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    let letters = (height / RATIO).max(LEAST);
     let style = TextStyle::from(("sans-serif", letters).into_font()).color(&INK);
     let style = style.pos(Pos::new(HPos::Center, VPos::Center));
     let mut taken: Vec<[i32; 4]> = Vec::new();
     for Label { text, at: [x, y], is_above } in labels {
-        let (wide, _) = area.estimate_text_size(text, &style).map_err(|error| refused(error.to_string()))?;
+        let (wide, _) = area.estimate_text_size(text, &style)?;
         let half = [f64::from(wide) / 2.0 + 0.45 * letters, 0.8 * letters];
-        let middle = |at: f64, half: f64, size: usize| at.min(size as f64 - half).max(half);
         let lifted = y - half[1] - if *is_above { 1.2 * letters } else { 0.0 };
+        let middle = |at: f64, half: f64, size: f64| at.min(size - half).max(half);
         let [across, down] = [middle(*x, half[0], width), middle(lifted, half[1], height)];
         let plate =
             [across - half[0], down - half[1], across + half[0], down + half[1]].map(|edge| edge.round() as i32);
@@ -51,17 +62,14 @@ pub fn write_labels(pixels: &mut [[u8; 3]], [width, height]: [usize; 2], labels:
             continue;
         }
         taken.push(plate);
-        let line = [(*x as i32, bottom), (*x as i32, *y as i32)];
-        let words = || -> Result<(), DrawingAreaErrorKind<_>> {
-            if *is_above {
-                area.draw(&PathElement::new(line, INK.mix(COVERS).stroke_width((letters / 12.0) as u32)))?;
-            }
-            area.draw(&Rectangle::new([(left, top), (right, bottom)], PLATE.mix(COVERS).filled()))?;
-            area.draw(&Text::new(text.as_str(), (across as i32, (down + LOWER * letters) as i32), style.clone()))
-        };
-        words().map_err(|error| refused(error.to_string()))?;
+        if *is_above {
+            let line = [(*x as i32, bottom), (*x as i32, *y as i32)];
+            area.draw(&PathElement::new(line, INK.mix(COVERS).stroke_width((letters / 12.0) as u32)))?;
+        }
+        area.draw(&Rectangle::new([(left, top), (right, bottom)], PLATE.mix(COVERS).filled()))?;
+        area.draw(&Text::new(text.as_str(), (across as i32, (down + LOWER * letters) as i32), style.clone()))?;
     }
-    area.present().map_err(|error| refused(error.to_string()))
+    area.present()
 }
 
 #[cfg(test)]
