@@ -14,11 +14,12 @@ import sys
 import tempfile
 import threading
 import time
+import traceback
 
 HERE = pathlib.Path(__file__).parent
 ROOT = HERE.parent.parent
 DISTRIBUTIONS = ["jazzy", "kilted"]
-SERVERS = []
+SERVERS, PEERS = [], []
 # What one distribution sets for itself keeps the Python of another from starting.
 ENVIRONMENT = {key: value for key, value in os.environ.items() if key not in ("LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")}
 # The server speaks UDP. Shared memory between two nodes has locks, at which a node waits for ever when another one was killed.
@@ -62,6 +63,12 @@ class Wire:
                 times = re.findall(rb"{Time ([0-9.]+)}", got)
                 self.time = float(times[-1]) if times else self.time
 
+    def pace(self, seconds):
+        """Simulated seconds a second, measured for so long."""
+        time_, began = self.time, time.time()
+        time.sleep(seconds)
+        return (self.time - time_) / (time.time() - began)
+
     def close(self):
         self.socket.shutdown(socket.SHUT_RDWR)
         self.socket.close()
@@ -70,10 +77,11 @@ class Wire:
 def peer(distribution, *arguments):
     script = "cyclone.py" if distribution == "cyclone" else "node.py"
     python = ROOT / "target/ros2" / distribution / "bin/python"
-    return subprocess.Popen([python, HERE / script, *map(str, arguments)], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT)
+    PEERS.append(subprocess.Popen([python, HERE / script, *map(str, arguments)], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT))
+    return PEERS[-1]
 
 
-def result(process, timeout=170):
+def result(process, timeout=340):
     output, _ = process.communicate(timeout=timeout)
     assert process.returncode == 0, process.args
     return json.loads(output.splitlines()[-1])
@@ -88,6 +96,12 @@ def check_steps(seen, topic, step, least):
     of = seen[topic]
     assert of["count"] >= least, (topic, of)
     assert set(of["steps"]) == {str(step)}, (topic, of)
+
+
+def check_pace(pace, before, robot):
+    """The world kept its pace, but for what other programs take from the machine: they do so before and after it, too."""
+    after = robot.pace(3)
+    assert pace > 0.8 * min(before, after), (before, pace, after)
 
 
 MAPPER = """
@@ -132,14 +146,14 @@ def topics_of(mapper, seconds):
         transforms = peer("cyclone", "transforms", seconds, "R1/lms200")
         for seen in map(result, peers):
             for topic in ["/R1/odom", "/R1/ground_truth", "/R1/joint_states", "/R2/odom", "/R2/joint_states"]:
-                check_steps(seen, topic, 0.02, 50 * seconds)
-            check_steps(seen, "/clock", 0.01, 100 * seconds)
+                check_steps(seen, topic, 0.02, 50 * (seconds - 1))
+            check_steps(seen, "/clock", 0.01, 100 * (seconds - 1))
             for topic in ["/R1/scan", "/R1/imu"]:
                 check_steps(seen, topic, 0.2, 5 * (seconds - 1))
             # A picture is left out where the machine does not draw it in time.
             for topic in ["/R1/image_raw/compressed", "/R1/camera_info"]:
                 of = seen[topic]
-                assert of["count"] >= 5 * (seconds - 1) and set(of["steps"]) <= {f"{number / 10}" for number in range(1, 6)}, (topic, of)
+                assert of["count"] >= seconds and set(of["steps"]) <= {f"{number / 10}" for number in range(1, 11)}, (topic, of)
             for topic in ["/R3/points", "/R3/fix", "/R3/F1/range", "/R3/F2/range"]:
                 check_steps(seen, topic, 0.2, 5 * (seconds - 1))
             assert seen["/R3/points"]["whole"], seen["/R3/points"]
@@ -307,15 +321,16 @@ def closed():
     return "no socket"
 
 
-def forged(seconds):
+def forged(is_enough):
     """Sends packets that nodes did not send: garbage, genuine ones with changed bytes, and HEARTBEATs of a known writer that promise a
-    million million messages. Each makes a participant of RustDDS take all memory that it can have."""
+    million million messages. Each makes a participant of RustDDS take all memory that it can have. It ends when they are enough, after 8 s
+    at the earliest and a minute at the latest."""
     ear = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(3))
     ear.bind(("lo", 0))
     ear.settimeout(0.2)
     mouth = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    heard, prefixes, sent, end = [], set(), 0, time.time() + seconds
-    while time.time() < end:
+    heard, prefixes, sent, began = [], set(), 0, time.time()
+    while time.time() < began + 8 or not is_enough() and time.time() < began + 60:
         with contextlib.suppress(TimeoutError):
             packet = ear.recv(65536)[42:]
             if packet[:4] == b"RTPS" and len(heard) < 500:
@@ -337,17 +352,17 @@ def forged(seconds):
 
 def flood():
     """Forged packets do not reach the world: it keeps its pace and its memory, and the node is there again after them."""
-    with tempfile.TemporaryFile("w+") as said, served("--map", "rough", stderr=said) as port:
+    with tempfile.NamedTemporaryFile("w") as said, served("--map", "rough", stderr=said) as port:
+        is_enough = lambda: "it is started again" in pathlib.Path(said.name).read_text()  # noqa: E731
         robot = Wire(port, "INIT {ClassName USARBot.P3AT} {Name R1} {Location 0,0,0}")
         victim = peer("kilted", "listen", 30, "/R1/odom")
-        time.sleep(2)
+        before = robot.pace(3)
         at = [robot.time, time.time()]
-        sent = forged(8)
+        sent = forged(is_enough)
         pace = (robot.time - at[0]) / (time.time() - at[1])
         victim.kill()
-        assert pace > 0.95, pace
-        said.seek(0)
-        assert "it is started again" in said.read(), "the packets did no harm: this test shows nothing"
+        check_pace(pace, before, robot)
+        assert is_enough(), "the packets did no harm: this test shows nothing"
         seen = ask("jazzy", "listen", 2, "/R1/odom")
         check_steps(seen, "/R1/odom", 0.02, 90)
         memory = max(int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1]) * 4096 for pid in robot.server)
@@ -360,15 +375,14 @@ def flood_of_orders():
     """Nodes that publish velocities and call services as fast as they can do not slow the world down, and a bystander hears all."""
     with served("--map", "rough") as port:
         robots = [Wire(port, f"INIT {{ClassName USARBot.P3AT}} {{Name R{number}}} {{Location {2 * number},0,0}}") for number in range(2)]
+        before = robots[1].pace(3)
         flooding = [peer(distribution, "flood", "/R0", 6) for distribution in DISTRIBUTIONS]
-        # Nodes take some seconds to begin.
-        before = robots[1].time
         watching = peer("cyclone", "transforms", 6, "R1/lms200")
         at = [robots[1].time, time.time()]
         sent = [result(process) for process in flooding]
         pace = (robots[1].time - at[0]) / (time.time() - at[1])
         hung = result(watching)
-        assert pace > 0.95 and robots[1].time > before, pace
+        check_pace(pace, before, robots[1])
         assert min(of["sent"] for of in sent) > 1000 and min(of["asked"] for of in sent) > 1000, sent
         assert set(hung["steps"]) <= {"0.02", "0.04"}, hung
         memory = max(int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1]) * 4096 for pid in robots[1].server)
@@ -406,10 +420,22 @@ CHECKS = [topics, orders, joints, gripper, controller, services, standard, comin
 
 def main():
     names = sys.argv[1:]
+    failed = []
     for check in CHECKS:
         if not names or check.__name__ in names:
             start = time.time()
-            print(f"{check.__name__}: {check()} ({time.time() - start:.0f} s)", flush=True)
+            # After a failure it goes on, so that one run shows all failures.
+            try:
+                said = check()
+            except Exception:
+                traceback.print_exc()
+                failed.append(check.__name__)
+                said = "FAILED"
+            print(f"{check.__name__}: {said} ({time.time() - start:.0f} s)", flush=True)
+            for process in PEERS:
+                process.kill()
+            PEERS.clear()
+    sys.exit(f"failed: {', '.join(failed)}" if failed else 0)
 
 
 if __name__ == "__main__":

@@ -19,8 +19,10 @@ from std_msgs.msg import Bool, Float64MultiArray, String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-# Time after which a node hangs, s. `follow` takes longest.
-HANGS = 150
+# Time after which a node hangs, s. `follow` takes longest, and four times as long on a busy machine.
+HANGS = 320
+# Messages that a subscriber keeps until it takes them.
+ROOM = 1000
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 TYPES = {
     "joint_states": JointState,
@@ -48,12 +50,15 @@ class Node:
         self.began = time.time()
         self.stamps = collections.defaultdict(list)
         self.last = {}
+        # The newest messages: of what comes fifty times a second, those of four seconds.
+        self.newest = collections.defaultdict(lambda: collections.deque(maxlen=200))
 
     def subscribe(self, topic, kind=None, qos=10):
         def take(message):
             stamp = message.clock if kind is Clock else getattr(message, "header", None) and message.header.stamp
             self.stamps[topic].append(seconds(stamp) if stamp else time.time() - self.began)
             self.last[topic] = message
+            self.newest[topic].append(message)
 
         self.node.create_subscription(kind or TYPES[topic.split("/")[-1]], topic, take, qos)
 
@@ -65,24 +70,29 @@ class Node:
                 each()
             rclpy.spin_once(self.node, timeout_sec=0.01)
 
-    def wait(self, until, duration=15.0):
-        self.spin(duration, until=until)
+    def wait(self, until, duration=60.0, each=lambda: None):
+        self.spin(duration, each=each, until=until)
         assert until(), f"waited {duration} s"
+
+    def pass_time(self, topic, duration, each=lambda: None):
+        """Waits until a topic's stamps have gone on by so much. A busy machine simulates less than a second in a second."""
+        end = self.stamps[topic][-1] + duration
+        self.wait(lambda: self.stamps[topic][-1] >= end, 20 + 5 * duration, each)
 
 
 def listen(duration, *topics):
     """Counts messages and the steps between their stamps."""
     node = Node()
-    # As sensor data it would have room for five, and lose some where the machine stalls.
-    node.subscribe("/clock", Clock, 1000)
+    # There is room for what comes while the machine stalls.
+    node.subscribe("/clock", Clock, ROOM)
     node.subscribe("/diagnostics", DiagnosticArray)
     for topic in topics:
         if topic.endswith("robot_description"):
             node.subscribe(topic, String, LATCHED)
         else:
-            node.subscribe(topic, qos=qos_profile_sensor_data if topic.endswith("scan") else 10)
-    node.wait(lambda: all(node.stamps[topic] for topic in topics), 20)
-    node.spin(float(duration))
+            node.subscribe(topic, qos=qos_profile_sensor_data if topic.endswith("scan") else ROOM)
+    node.wait(lambda: all(node.stamps[topic] for topic in ["/clock", *topics]))
+    node.pass_time("/clock", float(duration))
     result = {}
     for topic, stamps in node.stamps.items():
         steps = [round(b - a, 4) for a, b in zip(stamps, stamps[1:])]
@@ -108,14 +118,14 @@ def listen(duration, *topics):
 
 
 def drive(space, x, y, turn, kind="Twist", duration="5"):
-    """Drives with one velocity and reports the mean velocity of the last two seconds, then that after a second of silence."""
+    """Drives with one velocity and reports the mean velocity of the last two seconds, then that after one and a half of silence."""
     node = Node()
     stamped = kind == "TwistStamped"
     publisher = node.node.create_publisher(TwistStamped if stamped else Twist, f"{space}/cmd_vel", 10)
-    for topic in ["odom", "ground_truth"]:
-        node.subscribe(f"{space}/{topic}")
+    truth, odom = f"{space}/ground_truth", f"{space}/odom"
+    for topic in [truth, odom]:
+        node.subscribe(topic, qos=ROOM)
     node.wait(lambda: publisher.get_subscription_count() > 0 and len(node.last) == 2)
-    seen = collections.defaultdict(list)
 
     def each():
         message = TwistStamped() if stamped else Twist()
@@ -125,19 +135,13 @@ def drive(space, x, y, turn, kind="Twist", duration="5"):
 
     def mean(topic):
         end = seconds(node.last[topic].header.stamp)
-        late = [message for message in seen[topic] if seconds(message.header.stamp) > end - 2]
+        late = [message for message in node.newest[topic] if seconds(message.header.stamp) > end - 2]
         return [sum(part) / len(late) for part in zip(*((m.twist.twist.linear.x, m.twist.twist.linear.y, m.twist.twist.angular.z) for m in late))]
 
-    def keep():
-        for topic in [f"{space}/odom", f"{space}/ground_truth"]:
-            if not seen[topic] or seen[topic][-1] is not node.last[topic]:
-                seen[topic].append(node.last[topic])
-        return False
-
-    node.spin(float(duration), each=each, until=keep)
-    result = {"truth": mean(f"{space}/ground_truth"), "odom": mean(f"{space}/odom")}
-    node.spin(1.5, until=keep)
-    after = node.last[f"{space}/ground_truth"].twist.twist
+    node.pass_time(truth, float(duration), each)
+    result = {"truth": mean(truth), "odom": mean(odom)}
+    node.pass_time(truth, 1.5)
+    after = node.last[truth].twist.twist
     result["after"] = [after.linear.x, after.linear.y, after.angular.z]
     print(json.dumps(result))
 
@@ -161,7 +165,7 @@ def joints(space, joint, target):
     trajectory.joint_names, trajectory.points = [joint], [point]
     start = position()
     trajectories.publish(trajectory)
-    node.spin(1.0)
+    node.pass_time(f"{space}/joint_states", 1.0)
     half = position()
     node.wait(lambda: abs(position() - float(target)) < 0.02)
     print(json.dumps({"start": start, "half": half, "end": position()}))
@@ -183,7 +187,7 @@ def grip(space):
         before = fingers()
         publisher.publish(Bool(data=closes))
         node.wait(lambda: max(abs(a - b) for a, b in zip(before, fingers())) > 0.005)
-        node.spin(1.0)
+        node.pass_time(f"{space}/joint_states", 1.0)
         moved[str(closes)] = [after - old for old, after in zip(before, fingers())]
     print(json.dumps(moved))
 
@@ -238,7 +242,7 @@ def services():
     print(json.dumps({"paused": paused, "stepped": stepped, "reset": node.stamps["/clock"][-1]}))
 
 
-def follow(space, duration="120"):
+def follow(space, duration="300"):
     """Follows the wall on its right until it is where it began, once round."""
     node = Node()
     publisher = node.node.create_publisher(Twist, f"{space}/cmd_vel", 10)

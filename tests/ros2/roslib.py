@@ -16,10 +16,12 @@ def main(port):
     topics = {topic: ros.get_topic_type(topic) for topic in ros.get_topics()}
     roslibpy.Topic(ros, "/R1/odom", "nav_msgs/Odometry").subscribe(odom.append)
     command = roslibpy.Topic(ros, "/R1/cmd_vel", "geometry_msgs/Twist")
-    for _ in range(30):
+    speed, end = 0.0, time.time() + 60
+    while abs(speed - 0.5) >= 0.01:
+        assert time.time() < end, speed
         command.publish(roslibpy.Message({"linear": {"x": 0.5}}))
         time.sleep(0.1)
-    speed = odom[-1]["twist"]["twist"]["linear"]["x"]
+        speed = odom[-1]["twist"]["twist"]["linear"]["x"] if odom else 0.0
     paused = roslibpy.Service(ros, "/usarsim/pause", "std_srvs/Trigger").call(roslibpy.ServiceRequest())
     print(json.dumps({"topics": topics, "services": ros.get_services(), "speed": speed, "paused": dict(paused)}))
     ros.terminate()
