@@ -1,7 +1,6 @@
 // Keys, focus, and what the form to spawn a robot offers.
 
 import assert from 'node:assert/strict';
-import { setTimeout } from 'node:timers/promises';
 import { X, Y, pageTest, spawnRobot } from './pagetest.mjs';
 import { connectClient, number, until, waitForNumber } from './server.mjs';
 
@@ -24,11 +23,6 @@ function drives(page) {
     }),
   );
   return lines;
-}
-
-/** Waits for so many lines: the browser reports what it sent later than the page shows what came of it. */
-async function reported(lines, count) {
-  for (const end = Date.now() + 5000; lines.length < count && Date.now() < end;) await setTimeout(20);
 }
 
 /** Presses a key until the chosen robot's first wheel is to turn. */
@@ -126,7 +120,8 @@ pageTest('arrows move the speed slider while it has the focus, and not the robot
   await drive(page, 'w');
   const move = (percent) =>
     `DRIVE {Normalized true} {LinearVelocity ${percent}} {LateralVelocity 0.0} {RotationalVelocity 0.0}`;
-  await reported(sent, 3);
+  // The browser reports what it sent later than the page shows what came of it.
+  await until(() => sent.length >= 3, 'three lines');
   assert.deepEqual(sent, [move('0.0'), move('42.0'), move('0.0')]);
 });
 
@@ -258,6 +253,6 @@ pageTest('the keys drive all own robots together once that is chosen', rough, as
   await page.keyboard.down('w');
   await until(() => full() === 3, 'one drives');
   await page.keyboard.up('w');
-  await reported(lines, lines.length + 1);
+  await until(() => count(0) === stops + 3, 'one stops');
   assert.equal(full(), 3, lines.join('; '));
 });

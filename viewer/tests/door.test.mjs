@@ -94,8 +94,7 @@ pageTest('a scenario is begun, driven to its goal, and its best run kept', { ser
   await page.waitForSelector('[data-robot]', { state: 'attached' });
   // The cards stay open over a world with robots, which drives on.
   await page.click('#mission-others');
-  await page.waitForFunction(() => Number.parseFloat(document.querySelector('#time').textContent) > 1);
-  await page.waitForTimeout(500);
+  await page.waitForFunction(() => Number.parseFloat(document.querySelector('#time').textContent) > 1.5);
   assert.equal(await isOpen(page), true);
   await page.keyboard.press('Escape');
   await page.waitForSelector('#mission:not([hidden])');

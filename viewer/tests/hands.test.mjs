@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { ABOVE, X, Y, pageTest, waitForView } from './pagetest.mjs';
-import { connectClient, until } from './server.mjs';
+import { connectClient, number, until, waitForNumber } from './server.mjs';
 
 // The camera jumps, so that nothing moves away under the pointer.
 const rough = { serve: ['--map', 'rough'], page: { reducedMotion: 'reduce' } };
@@ -157,7 +157,8 @@ pageTest('an object is moved and turned exactly while time stands still', rough,
   assert.ok(Math.abs(put[2] + 0.25) < 0.01, put.join());
   await page.click('#pause');
   await page.waitForSelector('#pause[aria-pressed=false]');
-  await page.waitForTimeout(300);
+  const resumed = await number(page, '#time');
+  await waitForNumber(page, '#time', (time) => time > resumed + 0.5);
   const after = await place(page);
   assert.ok(
     after.every((number, at) => Math.abs(number - put[at]) < 0.02),
