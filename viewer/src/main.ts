@@ -97,7 +97,7 @@ const playback = new Playback(transport.sceneOfLog, {
   reading: (reading) => state.takeReading(reading),
   jumped() {
     state.forgetSensors();
-    view.clearPaths();
+    view.jump();
   },
   changed() {
     state.isPresent = playback.mode === 'live';

@@ -126,6 +126,11 @@ pageTest('a robot that is driven out of the view takes the view along', {}, asyn
   await spawnRobot(page, { robotClass: 'AirRobot' });
   assert.equal(await page.inputValue('#camera'), 'orbit');
   await page.keyboard.down('r');
+  await waitForNumber(page, '[data-value=z]', (z) => z < -0.5);
+  // It leaves the view between two pictures.
+  await page.evaluate(() => {
+    for (const end = performance.now() + 4000; performance.now() < end;);
+  });
   await waitForNumber(page, '[data-value=z]', (z) => z < -8);
   await page.keyboard.up('r');
   // Its name would be hidden beside the view.

@@ -40,7 +40,8 @@ const DAMPING = 0.055;
 const LAG = 0.32;
 /** A turn over the picture's whole height, rad. */
 const HAND_TURN = Math.PI;
-/** Distance from the middle of the view at which a robot that leaves takes the view along, and beyond which it does not: parts of half the view. */
+/** Distances from the middle of the view, parts of half the view: a robot that goes beyond the first one takes the view along, unless it was
+ * beyond the second. */
 const [EDGE, GONE] = [0.85, 1.3];
 /** First view of the map: angles, rad, and the part of the picture that it fills. */
 const FIRST = { yaw: 0.92, pitch: 0.66 };
@@ -149,6 +150,11 @@ export class Cameras {
     this.fly({ ...copyAim(this.goal), target: place.clone() });
   }
 
+  /** A robot's next place is one to which it did not drive: it takes the view along only if the view follows it. */
+  jump(): void {
+    if (!this.followsRobot) this.lastRobot = null;
+  }
+
   private switchTo(mode: CameraMode): void {
     this.mode = mode;
     this.pointer.pansFirst = mode === 'top';
@@ -237,13 +243,13 @@ export class Cameras {
     this.lagging = Math.abs(turned) > 0.002 || far.length() > 0.002;
   }
 
-  /** True if what moves from one place to another is about to leave the view. */
+  /** True if what moves from one place to another leaves the view. Where pictures are few it may be far outside in the next one. */
   private isLeaving(from: THREE.Vector3, to: THREE.Vector3): boolean {
     const [before, after] = [from, to].map((place) => {
       const { x, y, z } = place.clone().project(this.camera);
       return z < 1 ? Math.max(Math.abs(x), Math.abs(y)) : Infinity;
     }) as [number, number];
-    return after > before && after > EDGE && after < GONE;
+    return after > before && after > EDGE && before < GONE;
   }
 
   private begin(x: number, y: number): void {

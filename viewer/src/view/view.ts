@@ -327,6 +327,12 @@ export class View {
     this.stir();
   }
 
+  /** Time has changed without passing. */
+  jump(): void {
+    this.cameras.jump();
+    this.clearPaths();
+  }
+
   clearPaths(): void {
     this.world?.overlay.clearPaths();
     this.stir();
