@@ -98,6 +98,35 @@ pageTest(
   },
 );
 
+pageTest(
+  'on a slow page a program goes and turns as far as it says',
+  { serve: ['--map', 'smooth'] },
+  async ({ page }) => {
+    await page.evaluate(() =>
+      setInterval(() => {
+        for (const end = performance.now() + 400; performance.now() < end;);
+      }, 500),
+    );
+    await run(
+      page,
+      `robot = await take("P3AT")
+begin = await robot.pose()
+await robot.go(0.5)
+await robot.turn(1.0)
+end = await robot.pose()
+print(end[0] - begin[0] - 0.5, end[5] - begin[5] - 1.0)
+robot = await take("KUKA_YouBot")
+await robot.go_to(1.5, -2.4, 0.3)
+end = await robot.pose()
+print(end[0] - 1.5, end[1] + 2.4, end[5] - 0.3)`,
+    );
+    await ends(page, 'ended', 'Done');
+    const [skid, mecanum] = (await printed(page)).map((line) => line.split(' ').map(Number));
+    assert.ok(Math.abs(skid[0]) < 0.04 && Math.abs(skid[1]) < 0.03, skid.join());
+    assert.ok(Math.max(...mecanum.map(Math.abs)) < 0.011, mecanum.join());
+  },
+);
+
 pageTest('each example does what it says', { serve: ['--map', 'hall'] }, async ({ page }) => {
   await run(page, '');
   await ends(page, 'ended', 'Done');

@@ -14,6 +14,11 @@ async def _call(name, *arguments):
     return answer.get("value")
 
 
+# An angle between -pi and pi.
+def _wrapped(angle):
+    return (angle + math.pi) % (2 * math.pi) - math.pi
+
+
 class Robot:
     def __init__(self, name):
         self.name = name
@@ -32,24 +37,60 @@ class Robot:
 
     # Goes so far ahead, or back, by where it truly is.
     async def go(self, metres):
-        start = await self.pose()
-        left = abs(metres)
-        while left > 0.01:
-            await self.drive(forward=math.copysign(min(0.5, 0.03 + left / 2), metres), seconds=0.04)
-            at = await self.pose()
-            left = abs(metres) - math.sqrt((at[0] - start[0]) ** 2 + (at[1] - start[1]) ** 2)
-        await self.stop()
+        x, y, _, _, _, yaw = await self.pose()
+        gone = lambda at: (at[0] - x) * math.cos(yaw) + (at[1] - y) * math.sin(yaw)
+        await self._steer(lambda at: (metres - gone(at), 0, 0), 0.01)
 
     # Turns on the spot, to the right if positive, by its true heading.
     async def turn(self, angle):
         heading = (await self.pose())[5]
         left = angle
-        while abs(left) > 0.02:
-            await self.drive(turn=math.copysign(min(0.5, 0.1 + abs(left) / 3), left), seconds=0.04)
-            now = (await self.pose())[5]
-            left -= (now - heading + math.pi) % (2 * math.pi) - math.pi
-            heading = now
-        await self.stop()
+
+        def left_at(at):
+            nonlocal heading, left
+            left -= _wrapped(at[5] - heading)
+            heading = at[5]
+            return 0, 0, left
+
+        await self._steer(left_at, 0.02)
+
+    # Goes straight to a place, for a robot that goes sideways, too. It turns to a heading if there is one.
+    async def go_to(self, x, y, heading=None):
+        heading = (await self.pose())[5] if heading is None else heading
+
+        def left_at(at):
+            far, cos, sin = (x - at[0], y - at[1]), math.cos(at[5]), math.sin(at[5])
+            return far[0] * cos + far[1] * sin, far[1] * cos - far[0] * sin, _wrapped(heading - at[5]) / 2
+
+        await self._steer(left_at, 0.005)
+
+    # Drives until the robot stands and less than `near` is left of each: the way ahead, to the right, and the turn. `left_at` returns
+    # them for a pose.
+    async def _steer(self, left_at, near):
+        most, before = 0.5, (0, 0, 0)
+        while True:
+            left = left_at(await self.pose())
+            if max(map(abs, left)) < near:
+                await self.stop()
+                left = left_at(await self._stand())
+                if max(map(abs, left)) < near:
+                    return
+            # On a slow page it learns late where it is. Having gone too far, it goes on at half the speed.
+            if sum(a * b for a, b in zip(left, before)) < 0:
+                most /= 2
+            before = left
+            part = lambda way: 0 if abs(way) < near / 2 else math.copysign(min(most, 0.03 + abs(way)), way)
+            await self.drive(*map(part, left), seconds=0.04)
+
+    # Waits until it stands, for a second at most: what flies never does. Returns its pose.
+    async def _stand(self):
+        at = await self.pose()
+        for _ in range(10):
+            await wait(0.1)
+            before, at = at, await self.pose()
+            if max(abs(a - b) for a, b in zip(at, before)) < 0.001:
+                break
+        return at
 
     # Sends a line of the protocol as this robot's client.
     async def send(self, line):
