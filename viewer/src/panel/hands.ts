@@ -18,11 +18,6 @@ const ROOM = 0.1;
 /** Robot or object that somebody takes. */
 export type Thing = { robot: number } | { object: number };
 
-function isSame(one: Thing, other: Thing): boolean {
-  if ('robot' in one) return 'robot' in other && one.robot === other.robot;
-  return 'object' in other && one.object === other.object;
-}
-
 /** Least time between two lines, ms. */
 const INTERVAL = 40;
 /** Turn for a pixel, rad. */
@@ -190,4 +185,9 @@ export class Hands {
 
 function numbers(vector: readonly number[]): string {
   return vector.map((number) => number.toFixed(3)).join(',');
+}
+
+function isSame(one: Thing, other: Thing): boolean {
+  if ('robot' in one) return 'robot' in other && one.robot === other.robot;
+  return 'object' in other && one.object === other.object;
 }
