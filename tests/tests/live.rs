@@ -995,6 +995,19 @@ fn pages_of_strangers_are_turned_away_from_foxgloves_port() {
 }
 
 #[test]
+fn a_page_gets_its_numbers_back_between_frames() {
+    let server = serve("arena", |_| {});
+    let mut viewer = Viewer::open(&server, "/live");
+    for number in [7, u32::MAX, 7, 0] {
+        viewer.send(&format!("{{\"echo\":{number}}}"));
+        assert_eq!(viewer.wait("an echo", |message| json(message, "echo")), number);
+        viewer.frame("a frame", |_| true);
+    }
+    viewer.send("{\"echo\":-1}");
+    viewer.said("not understood");
+}
+
+#[test]
 fn a_page_is_told_where_a_robot_can_stand() {
     let server = serve("arena", |_| {});
     let mut peer = server.client();

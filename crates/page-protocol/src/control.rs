@@ -28,7 +28,7 @@ impl Control {
     pub fn read(text: &str) -> Result<Self, String> {
         match Request::read(text)? {
             Request::Control(control) => Ok(control),
-            Request::Token(_) | Request::Fit(_) | Request::Listen(_) => {
+            Request::Token(_) | Request::Fit(_) | Request::Echo(_) | Request::Listen(_) => {
                 Err("it is of a page: expected a control".to_owned())
             }
         }

@@ -20,6 +20,8 @@ pub enum Request {
     Token(String),
     /// A question, as in `{"fit":{"class":"P3AT","location":[1,0,0],"yaw":0.5}}`.
     Fit(Wanted),
+    /// A number to be sent back, as in `{"echo":7}`. Frames after it are later than what the page had sent before.
+    Echo(u32),
     /// `{"wire":true,"robots":[1]}`.
     #[serde(untagged)]
     Listen(Listen),
@@ -99,6 +101,8 @@ pub enum Message<'a> {
     Missed(u64),
     /// An answer about room for a robot.
     Fit(Fit),
+    /// A number that the page has sent.
+    Echo(u32),
     /// The first text to a page.
     #[serde(untagged)]
     Greeting {
@@ -315,7 +319,7 @@ impl Request {
             // The error of an untagged enum says only that nothing fits. Most requests are controls.
             Err(error) => Err(format!(
                 "{}: expected {{\"pause\":bool}}, {{\"step\":n}}, {{\"speed\":x}}, \"reset\", {{\"record\":bool}}, \"save\", \
-                 {{\"remove\":robot}}, {{\"map\":name}}, {{\"scenario\":name}}, {{\"fit\":{{..}}}} or {{\"wire\":bool}}",
+                 {{\"remove\":robot}}, {{\"map\":name}}, {{\"scenario\":name}}, {{\"fit\":{{..}}}}, {{\"echo\":n}} or {{\"wire\":bool}}",
                 serde_json::from_str::<Control>(text).err().unwrap_or(error)
             )),
         }
@@ -402,6 +406,9 @@ mod tests {
             ("{\"wire\":true,\"pause\":true}", None),
             ("{\"pause\":true,\"step\":1}", None),
             ("{\"fit\":{\"class\":\"P3AT\"}}", None),
+            ("{\"echo\":7}", Some(Request::Echo(7))),
+            ("{\"echo\":-1}", None),
+            ("{\"echo\":4294967296}", None),
             ("{\"pause\":true}", control(Control::Pause(true))),
             ("{\"step\":5}", control(Control::Step(5))),
             ("{\"speed\":0}", control(Control::Speed(0.0))),

@@ -1,6 +1,6 @@
 // Generated from crates/page-protocol/src/live.rs by `make figures`.
 
-export type Request = { "token": string } | { "fit": Fit } | Listen | Control;
+export type Request = { "token": string } | { "fit": Fit } | { "echo": number } | Listen | Control;
 
 export type Listen = { 
 /**
@@ -32,7 +32,7 @@ location: [number, number, number],
  */
 yaw: number, };
 
-export type Message = { "status": Status } | { "line": WireLine } | { "reading": Reading } | { "said": string } | { "missed": number } | { "fit": FitAnswer } | { 
+export type Message = { "status": Status } | { "line": WireLine } | { "reading": Reading } | { "said": string } | { "missed": number } | { "fit": FitAnswer } | { "echo": number } | { 
 /**
  * Name of the page, as shown to everyone.
  */

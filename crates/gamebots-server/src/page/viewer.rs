@@ -167,7 +167,9 @@ impl Viewer {
                 match received {
                     Ok(Some(Ok(Message::Text(text)))) => match Request::read(&text) {
                         Ok(Request::Token(token)) => Some(token),
-                        Ok(Request::Fit(_) | Request::Listen(_) | Request::Control(_)) | Err(_) => None,
+                        Ok(Request::Fit(_) | Request::Echo(_) | Request::Listen(_) | Request::Control(_)) | Err(_) => {
+                            None
+                        }
                     },
                     Ok(Some(Ok(_))) | Err(_) => None,
                     Ok(Some(Err(_)) | None) => return Err(Gone),
@@ -230,6 +232,7 @@ impl Viewer {
                 self.listen = listen;
             }
             Ok(Request::Fit(wanted)) => self.wanted = Some(wanted),
+            Ok(Request::Echo(number)) => return self.tell(&page_protocol::Message::Echo(number)).await,
             Ok(Request::Control(control)) => match self.refusal {
                 Some(reason) => return self.say(&format!("not done: {reason}")).await,
                 None => return self.controls.send(Question::Control(control, self.actor.clone())).await.ok_or(Gone),
