@@ -185,7 +185,7 @@ const drive = new DrivePanel(
   transport,
 );
 const grasp = new Grasp(state, hands);
-const code = new CodePanel(state, drive);
+const code = new CodePanel(state, drive, () => live.echo());
 const sharing = new Sharing(state, view, playback, say);
 const board = new Board(state);
 const mission = new Mission(state, {

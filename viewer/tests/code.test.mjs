@@ -13,7 +13,16 @@ async function run(page, program, { fast = true } = {}) {
   await page.click('#run');
 }
 
-const ends = (page, how, text = '') => page.waitForSelector(`[data-program=${how}]:has-text("${text}")`);
+/** Waits until the program has ended, and checks how. */
+async function ends(page, how, text = '') {
+  const status = await page.waitForSelector('[data-program=ended], [data-program=failed]', { state: 'attached' });
+  const [said, is] = [await status.textContent(), await status.getAttribute('data-program')];
+  assert.ok(is === how && said.includes(text), `${is}: ${said}`);
+}
+
+/** Waits for the first second of a world. */
+const beginsAnew = (page) =>
+  page.waitForFunction(() => Number.parseFloat(document.querySelector('#time').textContent) < 1);
 const printed = (page) => page.locator('#output li').allTextContents();
 
 pageTest('a program drives a robot, with the line that waits lit', {}, async ({ page }) => {
@@ -98,14 +107,26 @@ pageTest(
   },
 );
 
+pageTest('a program that is still loaded when the world begins anew runs in the new one', {}, async ({ page }) => {
+  await page.waitForFunction(() => Number.parseFloat(document.querySelector('#time').textContent) > 2);
+  let load;
+  await page.route('**/micropython*.wasm', (route) => (load = () => route.continue()));
+  await run(page, 'robot = await take("P3AT")\nawait robot.go(0.1)', { fast: false });
+  await until(() => load, 'Python is loaded');
+  await page.click('#reset');
+  await beginsAnew(page);
+  await load();
+  await ends(page, 'ended', 'Done');
+});
+
 pageTest(
   'on a slow page a program goes and turns as far as it says',
   { serve: ['--map', 'smooth'] },
   async ({ page }) => {
     await page.evaluate(() =>
       setInterval(() => {
-        for (const end = performance.now() + 400; performance.now() < end;);
-      }, 500),
+        for (const end = performance.now() + 250; performance.now() < end;);
+      }, 350),
     );
     await run(
       page,
@@ -136,11 +157,11 @@ pageTest('each example does what it says', { serve: ['--map', 'hall'] }, async (
     ['Pick the cube', /^the cube is in the hand$/],
   ]) {
     await page.selectOption('[name=example]', example);
+    await page.click('#reset');
+    await beginsAnew(page);
     await page.click('#run');
-    await ends(page, 'running');
     await ends(page, 'ended', 'Done');
     assert.match((await printed(page)).at(-1), said);
-    if (!example.includes('cube')) await page.click('#reset');
   }
   await page.click('[data-object]:text-is("cube")');
   const height = async () => -((await page.textContent('[data-place]')).match(/-?\d+\.\d+/g)?.[2] ?? 0);

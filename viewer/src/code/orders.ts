@@ -19,7 +19,7 @@ export interface Robots {
 }
 
 /** Time until a robot must have come, a sensor measured and joints stand, simulated s. */
-const PATIENCE = { robot: 10, sensor: 5, joints: 20 };
+const PATIENCE = { robot: 30, sensor: 5, joints: 20 };
 /** Joints count as there so near to their targets, and as standing below such a speed: rad and m, for s. */
 const THERE = { rad: 0.02, m: 0.001 };
 const STILL = { rad: 0.02, m: 0.0005 };
@@ -37,6 +37,8 @@ type Condition = (frame: Frame) => object | null;
 export class Orders {
   private frame: Frame | null = null;
   private orders = 0;
+  /** True once the program has given an order. */
+  hasBegun = false;
   private waiting: { condition: Condition; resolve: (value: object) => void; reject: (error: unknown) => void }[] = [];
   /** Robots that have been driven. */
   private readonly used = new Set<string>();
@@ -44,6 +46,8 @@ export class Orders {
   constructor(
     private readonly state: State,
     private readonly robots: Robots,
+    /** Waits until the server has read what this page has sent. */
+    private readonly echo: () => Promise<void>,
   ) {}
 
   /** Takes the newest frame of the server's world. */
@@ -71,6 +75,7 @@ export class Orders {
   /** Forgets what is waited for, and stops the robots that were driven. */
   end(): void {
     this.waiting = [];
+    this.hasBegun = false;
     for (const name of this.used) {
       const client = this.robots.clientOf(name);
       client?.drive({ forward: 0, right: 0, clockwise: 0, up: 0 });
@@ -81,6 +86,7 @@ export class Orders {
 
   /** Does an order, and returns what the program gets for it. Fails with a text for people. */
   async do(name: string, values: unknown[]): Promise<unknown> {
+    this.hasBegun = true;
     if (++this.orders > MOST_ORDERS) await this.until(() => ({}));
     const [first, ...rest] = values;
     switch (name) {
@@ -92,6 +98,9 @@ export class Orders {
         return this.now;
       case 'drive':
         return this.drive(text(first, 'a robot'), rest);
+      case 'see':
+        await this.see(text(first, 'a robot'));
+        return this.pose(text(first, 'a robot'));
       case 'send':
         return this.send(text(first, 'a robot'), text(rest[0], 'a line'));
       case 'read':
@@ -126,7 +135,24 @@ export class Orders {
       const value = condition(frame);
       return value || frame.time > end ? { value } : null;
     });
-    return value;
+    if (value) return value;
+    // A busy page may take frames of seconds at once, and only then what came beside them.
+    await this.seeServer();
+    return condition(await this.until((frame) => frame));
+  }
+
+  /** Waits for a frame that is later than what the server has read from this page. */
+  private async seeServer(): Promise<void> {
+    await this.echo();
+    // The first frame may have waited to be sent.
+    let frames = 0;
+    await this.until(() => (++frames < 2 ? null : {}));
+  }
+
+  /** Waits for a frame that shows what a robot does about its orders. */
+  private async see(name: string): Promise<void> {
+    while (!this.client(name).isSent) await new Promise((resolve) => setTimeout(resolve, LINE_INTERVAL));
+    await this.seeServer();
   }
 
   private async wait(seconds: number): Promise<void> {
@@ -235,6 +261,7 @@ export class Orders {
   private async stand(name: string, { joints }: RobotClass, targets: Map<number, number>): Promise<boolean> {
     const all = (fits: (index: number, target: number) => boolean) =>
       [...targets].every(([index, target]) => fits(index, target));
+    await this.see(name);
     let since = this.now;
     const stood = await this.within(PATIENCE.joints, ({ time }) => {
       const now = this.robot(name).joints;

@@ -19,6 +19,16 @@ def _wrapped(angle):
     return (angle + math.pi) % (2 * math.pi) - math.pi
 
 
+# The part with which to drive so that a way is not passed before the next look; none for less than half of `near`.
+def _part(way, gain, near):
+    if abs(way) < near / 2:
+        return 0
+    most = min(0.5, 0.03 + abs(way))
+    if gain > 0:
+        most = min(most, 0.7 * abs(way) / gain)
+    return math.copysign(most, way)
+
+
 class Robot:
     def __init__(self, name):
         self.name = name
@@ -67,24 +77,29 @@ class Robot:
     # Drives until the robot stands and less than `near` is left of each: the way ahead, to the right, and the turn. `left_at` returns
     # them for a pose.
     async def _steer(self, left_at, near):
-        most, before = 0.5, (0, 0, 0)
+        left = left_at(await self.pose())
+        # What a whole part changes of each until the next look: much on a slow page, which looks seldom.
+        gains = [0, 0, 0]
         while True:
-            left = left_at(await self.pose())
             if max(map(abs, left)) < near:
                 await self.stop()
                 left = left_at(await self._stand())
                 if max(map(abs, left)) < near:
                     return
-            # On a slow page it learns late where it is. Having gone too far, it goes on at half the speed.
-            if sum(a * b for a, b in zip(left, before)) < 0:
-                most /= 2
-            before = left
-            part = lambda way: 0 if abs(way) < near / 2 else math.copysign(min(most, 0.03 + abs(way)), way)
-            await self.drive(*map(part, left), seconds=0.04)
+            parts = [_part(way, gain, near) for way, gain in zip(left, gains)]
+            await self.drive(*parts)
+            before, left = left, left_at(await self._see())
+            for i, part in enumerate(parts):
+                if part:
+                    gains[i] = max((before[i] - left[i]) / part, 0.7 * gains[i])
+
+    # Waits until its pose is later than its orders, and returns it.
+    async def _see(self):
+        return tuple(await _call("see", self.name))
 
     # Waits until it stands, for a second at most: what flies never does. Returns its pose.
     async def _stand(self):
-        at = await self.pose()
+        at = await self._see()
         for _ in range(10):
             await wait(0.1)
             before, at = at, await self.pose()

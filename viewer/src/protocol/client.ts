@@ -70,6 +70,11 @@ export class Client {
     });
   }
 
+  /** True if nothing waits to be sent. */
+  get isSent(): boolean {
+    return this.next === this.sent && this.settings.size === 0;
+  }
+
   /** Drives; of commands that come faster than lines are sent only the last one counts. */
   drive(twist: Twist): void {
     this.next = this.command(twist);

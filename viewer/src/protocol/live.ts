@@ -51,6 +51,9 @@ export class Live {
   /** True if this connection has asked for the run before it. */
   private isPastAsked = false;
   private heard = 0;
+  /** Numbers that the server is to send back. */
+  private readonly echoes = new Map<number, () => void>();
+  private sentEchoes = 0;
   /** Name that the server gives this page. */
   private you = '';
   /** Reason why this page may not control the world. */
@@ -90,6 +93,14 @@ export class Live {
   /** Asks whether a robot could stand somewhere. */
   askFit(fit: Fit): void {
     this.fits.ask(fit);
+  }
+
+  /** Waits until the server has read what this page has sent, or is lost. */
+  echo(): Promise<void> {
+    if (!this.connection?.isOpen) return Promise.resolve();
+    const number = ++this.sentEchoes;
+    this.send({ echo: number });
+    return new Promise((resolve) => this.echoes.set(number, resolve));
   }
 
   /** Returns a class of robots; null if the server has none of that name, or is lost. */
@@ -157,6 +168,8 @@ export class Live {
   private lose(connection: Connection): void {
     if (this.connection === connection) {
       this.connection = null;
+      this.echoes.forEach((resolve) => resolve());
+      this.echoes.clear();
       this.listener.lost();
       this.retry();
     }
@@ -218,6 +231,11 @@ export class Live {
     }
   }
 
+  private takeEcho(number: number): void {
+    this.echoes.get(number)?.();
+    this.echoes.delete(number);
+  }
+
   private take(data: ArrayBuffer | string): void {
     this.heard = performance.now();
     if (typeof data !== 'string') {
@@ -234,6 +252,7 @@ export class Live {
     else if ('line' in message) this.listener.line(message.line);
     else if ('reading' in message) this.listener.reading(message.reading);
     else if ('fit' in message) this.fits.take(message.fit);
+    else if ('echo' in message) this.takeEcho(message.echo);
     else if ('said' in message) this.listener.said(this.addressed(message.said));
     else this.listener.said(`${message.missed} lines, readings and scans came too fast to be shown`);
   }
