@@ -52,6 +52,7 @@ pageTest('a wrong program says its line and what is wrong', {}, async ({ page })
     ['await wait("1")', 'line 1: RuntimeError: seconds: expected a number, got "1"'],
     ['list = [0] * 100000000', 'line 1: MemoryError'],
     ['while True:\n  print("again")', 'printed 1000 lines without an order between them'],
+    ['robot = await take("P3AT")\nawait robot.go(99)', 'line 2: RuntimeError: Robot1 comes no nearer: something'],
     ['robot = await take("P3AT")\nawait robot.move(Elbow=1)', 'line 2: RuntimeError: Robot1 has no joint Elbow'],
     ['await (await take("P3AT")).reach(1, 0, 0)', 'line 1: RuntimeError: Robot1 has no arm with a gripper'],
     ['await (await take("P3AT")).read("Nose")', 'line 1: RuntimeError: nothing of "Nose" came in 5 s'],

@@ -100,7 +100,7 @@ export class Orders {
         return this.drive(text(first, 'a robot'), rest);
       case 'see':
         await this.see(text(first, 'a robot'));
-        return this.pose(text(first, 'a robot'));
+        return [this.now, ...this.pose(text(first, 'a robot'))];
       case 'send':
         return this.send(text(first, 'a robot'), text(rest[0], 'a line'));
       case 'read':

@@ -6,6 +6,9 @@ import math
 
 import _page
 
+# A robot that comes no nearer to where it goes for so long has something in its way, s.
+PATIENCE = 15
+
 
 async def _call(name, *arguments):
     answer = json.loads(await _page.call(name, json.dumps(arguments)))
@@ -75,9 +78,11 @@ class Robot:
         await self._steer(left_at, 0.005)
 
     # Drives until the robot stands and less than `near` is left of each: the way ahead, to the right, and the turn. `left_at` returns
-    # them for a pose.
+    # them for a pose. Fails if something is in the way.
     async def _steer(self, left_at, near):
-        left = left_at(await self.pose())
+        since, at = await self._see()
+        left = left_at(at)
+        nearest = max(map(abs, left))
         # What a whole part changes of each until the next look: much on a slow page, which looks seldom.
         gains = [0, 0, 0]
         while True:
@@ -88,18 +93,26 @@ class Robot:
                     return
             parts = [_part(way, gain, near) for way, gain in zip(left, gains)]
             await self.drive(*parts)
-            before, left = left, left_at(await self._see())
+            time, at = await self._see()
+            before, left = left, left_at(at)
             for i, part in enumerate(parts):
                 if part:
                     gains[i] = max((before[i] - left[i]) / part, 0.7 * gains[i])
+            far = max(map(abs, left))
+            if far < max(near, nearest - near):
+                nearest, since = far, time
+            elif time - since > PATIENCE:
+                await self.stop()
+                raise RuntimeError("%s comes no nearer: something is in its way" % self.name)
 
-    # Waits until its pose is later than its orders, and returns it.
+    # Waits for a time and a pose that are later than its orders, and returns both.
     async def _see(self):
-        return tuple(await _call("see", self.name))
+        time, *pose = await _call("see", self.name)
+        return time, pose
 
     # Waits until it stands, for a second at most: what flies never does. Returns its pose.
     async def _stand(self):
-        at = await self._see()
+        _, at = await self._see()
         for _ in range(10):
             await wait(0.1)
             before, at = at, await self.pose()
