@@ -95,6 +95,11 @@ export class History {
     return (this.frames.find((frame) => frame.time > time) ?? this.frames.at(-1))?.time ?? time;
   }
 
+  /** The time of the last frame before a time; the first frame's if there is none. */
+  before(time: number): number {
+    return (this.frames.findLast((frame) => frame.time < time) ?? this.frames[0])?.time ?? time;
+  }
+
   /** About so many frames, evenly over all that is kept. */
   sample(count: number): Frame[] {
     const step = Math.max(1, Math.ceil(this.frames.length / count));

@@ -55,8 +55,6 @@ const PANEL_INTERVAL = { hardware: 100, software: 250, refining: 1000 };
 const PLOT_INTERVAL = 250;
 /** Interval between two looks at own robots and gamepads, ms. */
 const DRIVE_INTERVAL = 100;
-/** Time between two frames, s. */
-const FRAME = 1 / 30;
 /** Distance of a copy of a robot, which stands beside what is in its way, m. */
 const COPY_DISTANCE = 1;
 /** Moments of the past that a new plot begins with. */
@@ -547,7 +545,7 @@ const actions: Action[] = [
   { name: 'Keys', key: '?', run: () => showKeys(possible()) },
   { name: 'Pause or resume', key: ' ', shown: 'space', run: press('pause') },
   { name: 'Step 10 ms', key: '.', run: press('step') },
-  { name: 'A frame back, into the past', key: ',', run: () => playback.goTo((state.frame?.time ?? 0) - FRAME) },
+  { name: 'A frame back, into the past', key: ',', run: () => playback.goBack() },
   { name: 'Back to live', key: 'End', run: press('live') },
   { name: 'Spawn a robot', key: 'n', shown: 'N', drives: true, run: openSpawn },
   { name: 'Next camera: orbit, follow, chase, top, robot', key: 'c', shown: 'C', run: () => tools.nextCamera() },

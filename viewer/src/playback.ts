@@ -216,6 +216,12 @@ export class Playback {
     this.showPast(time);
   }
 
+  /** Shows the frame before the shown one. A log has no frames: it goes back by the time between two. */
+  goBack(): void {
+    const shown = this.screen.shownTime();
+    this.goTo(this.player ? shown - INTERVAL / 1000 : this.history.before(shown));
+  }
+
   private showPast(time: number): void {
     const frame = this.history.at(time);
     if (!frame) return;

@@ -23,6 +23,21 @@ test('the whole run can be looked at, the last minute frame by frame', () => {
   assert.ok(kept > 3000 && kept <= 5400, `${kept} frames`);
 });
 
+test('one goes from frame to frame, however far they lie apart', () => {
+  const history = new History();
+  for (const time of [1, 1.002, 1.03, 9]) history.add(time, frameBytes(time));
+  for (const [time, before, after] of [
+    [0.5, 1, 1],
+    [1, 1, 1.002],
+    [1.002, 1, 1.03],
+    [1.02, 1.002, 1.03],
+    [9, 1.03, 9],
+    [10, 9, 9],
+  ]) {
+    assert.deepEqual([history.before(time), history.after(time)], [before, after], `${time} s`);
+  }
+});
+
 test('frames of the time before the page was opened come before its own', () => {
   const history = new History();
   for (const time of [10, 10.1, 10.2]) history.add(time, frameBytes(time));

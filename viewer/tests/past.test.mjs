@@ -91,7 +91,8 @@ pageTest('keys drive nobody while the past is shown, and space plays it', rough,
 });
 
 pageTest('the past is played faster, and stops where it ends', rough, async ({ page }) => {
-  await waitForNumber(page, '#time', (time) => time > 4);
+  await page.selectOption('#speed', '4');
+  await waitForNumber(page, '#time', (time) => time > 16);
   await page.click('#pause');
   await page.waitForSelector('#pause[aria-pressed=true]');
   await look(page, 0);
@@ -200,8 +201,10 @@ pageTest('a key goes back by a frame, and another one returns to the present', r
     return Date.now() - since > 3000;
   });
   await page.keyboard.press(',');
-  const second = await waitForNumber(page, '#time', (time) => time !== first);
-  assert.ok(first - second > 0.02 && first - second < 0.1, `${first} ${second}`);
+  await waitForNumber(page, '#time', (time) => time < first);
+  // How far frames lie apart is up to the machine.
+  await page.keyboard.press('.');
+  await waitForNumber(page, '#time', (time) => time === first);
   await page.keyboard.press('End');
   await page.waitForSelector('#past', { state: 'hidden' });
 });
