@@ -143,17 +143,16 @@ pageTest('each robot is spawned at a free start with a free name', rough, async 
   await until(async () => (await page.locator('[data-robot]:has-text("yours")').count()) === 3, 'three robots');
   const names = await page.locator('[data-robot] span').allTextContents();
   assert.deepEqual(names, ['Robot1', 'Robot2', 'Robot3']);
-  const places = [];
-  for (const name of names) {
+  for (const [name, x, y] of [
+    ['Robot1', 0, 0],
+    ['Robot2', 2, -2],
+    ['Robot3', -2, 2],
+  ]) {
     await page.locator('[data-robot]', { hasText: name }).dispatchEvent('click');
     await page.waitForSelector(`[data-robot][aria-pressed=true]:has-text("${name}")`, { state: 'attached' });
-    places.push([Math.round(await number(page, X)) + 0, Math.round(await number(page, Y)) + 0]);
+    await waitForNumber(page, X, (value) => Math.abs(value - x) < 0.5);
+    await waitForNumber(page, Y, (value) => Math.abs(value - y) < 0.5);
   }
-  assert.deepEqual(places, [
-    [0, 0],
-    [2, -2],
-    [-2, 2],
-  ]);
   assert.deepEqual(await options(page), [
     'PlayerStart_0 (taken)',
     'RobotStart1 (taken)',
