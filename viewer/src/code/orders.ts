@@ -38,7 +38,7 @@ export class Orders {
   private frame: Frame | null = null;
   private orders = 0;
   /** True once the program has given an order. */
-  hasBegun = false;
+  private hasBegun = false;
   private waiting: { condition: Condition; resolve: (value: object) => void; reject: (error: unknown) => void }[] = [];
   /** Robots that have been driven. */
   private readonly used = new Set<string>();
@@ -67,9 +67,9 @@ export class Orders {
     });
   }
 
-  /** True if a frame is of a world that began anew. */
+  /** True if a frame is of a world that began anew since the program's first order. */
   isAnew(frame: Frame): boolean {
-    return frame.time < this.now;
+    return this.hasBegun && frame.time < this.now;
   }
 
   /** Forgets what is waited for, and stops the robots that were driven. */
@@ -151,7 +151,7 @@ export class Orders {
 
   /** Waits for a frame that shows what a robot does about its orders. */
   private async see(name: string): Promise<void> {
-    while (!this.client(name).isSent) await new Promise((resolve) => setTimeout(resolve, LINE_INTERVAL));
+    while (!this.client(name).isSent) await lineInterval();
     await this.seeServer();
   }
 
@@ -193,7 +193,7 @@ export class Orders {
     if (/[\r\n]/.test(line)) throw new Error('a line has no line breaks: send one at a time');
     this.client(name).send(line);
     this.used.add(name);
-    await new Promise((resolve) => setTimeout(resolve, LINE_INTERVAL));
+    await lineInterval();
   }
 
   private async read(name: string, sensor: string): Promise<object> {
@@ -287,6 +287,10 @@ export class Orders {
     if (!robot) throw new Error(`the robot ${name} of this page is not in the world`);
     return robot;
   }
+}
+
+function lineInterval(): Promise<void> {
+  return new Promise((resolve) => setTimeout(resolve, LINE_INTERVAL));
 }
 
 function text(value: unknown, what: string): string {

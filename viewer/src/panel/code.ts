@@ -83,8 +83,8 @@ export class CodePanel {
 
   /** Takes the newest frame of the server's world. */
   takeFrame(frame: Frame): void {
-    // Its times and places are of another world, if it has any yet.
-    if (this.worker && this.orders.hasBegun && this.orders.isAnew(frame)) this.end('The world began anew', true);
+    // Its times and places are of another world.
+    if (this.worker && this.orders.isAnew(frame)) this.end('The world began anew', true);
     this.orders.takeFrame(frame);
   }
 
