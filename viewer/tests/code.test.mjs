@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { pageTest } from './pagetest.mjs';
-import { number, until } from './server.mjs';
+import { number, until, waitForNumber } from './server.mjs';
 
 /** Opens the tab and runs a program, the world twice as fast as real time. */
 async function run(page, program, { fast = true } = {}) {
@@ -21,8 +21,7 @@ async function ends(page, how, text = '') {
 }
 
 /** Waits for the first second of a world. */
-const beginsAnew = (page) =>
-  page.waitForFunction(() => Number.parseFloat(document.querySelector('#time').textContent) < 1);
+const beginsAnew = (page) => waitForNumber(page, '#time', (time) => time < 1);
 const printed = (page) => page.locator('#output li').allTextContents();
 
 pageTest('a program drives a robot, with the line that waits lit', {}, async ({ page }) => {
@@ -104,12 +103,12 @@ pageTest(
     await page.waitForSelector('.numbers .lit');
     await page.click('#reset');
     await ends(page, 'failed', 'The world began anew');
-    await page.waitForFunction(() => Number.parseFloat(document.querySelector('#time').textContent) > 1);
+    await waitForNumber(page, '#time', (time) => time > 1);
   },
 );
 
 pageTest('a program that is still loaded when the world begins anew runs in the new one', {}, async ({ page }) => {
-  await page.waitForFunction(() => Number.parseFloat(document.querySelector('#time').textContent) > 2);
+  await waitForNumber(page, '#time', (time) => time > 2);
   let load;
   await page.route('**/micropython*.wasm', (route) => (load = () => route.continue()));
   await run(page, 'robot = await take("P3AT")\nawait robot.go(0.1)', { fast: false });

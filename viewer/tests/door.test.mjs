@@ -31,7 +31,7 @@ pageTest('the page opens with scenarios before the demo of the chosen one', { se
   assert.equal(await page.locator('#door [data-scenario]').count(), 11);
   // The demo runs behind the cards, in a world of its own: the server's has no robot.
   await page.waitForFunction(() => document.querySelector('[data-robot] span')?.textContent.includes('P3AT'));
-  await page.waitForFunction(() => Number.parseFloat(document.querySelector('#time').textContent) > 0.5);
+  await waitForNumber(page, '#time', (time) => time > 0.5);
   await page.hover('[data-scenario=cube]');
   await page.waitForSelector('[data-scenario=cube][aria-pressed=true]');
   assert.equal(await page.textContent('#door h2'), 'Pick the cube');
@@ -94,7 +94,7 @@ pageTest('a scenario is begun, driven to its goal, and its best run kept', { ser
   await page.waitForSelector('[data-robot]', { state: 'attached' });
   // The cards stay open over a world with robots, which drives on.
   await page.click('#mission-others');
-  await page.waitForFunction(() => Number.parseFloat(document.querySelector('#time').textContent) > 1.5);
+  await waitForNumber(page, '#time', (time) => time > 1.5);
   assert.equal(await isOpen(page), true);
   await page.keyboard.press('Escape');
   await page.waitForSelector('#mission:not([hidden])');
