@@ -160,6 +160,14 @@ fn pages_that_ask_for_room_do_not_stop_the_world() {
 }
 
 #[test]
+fn pages_that_want_their_numbers_back_do_not_stop_the_world() {
+    let (server, mut bystander, _owner) = server(30);
+    let echo = |page: &mut Page| request(page, r#"{"echo":7}"#, r#"{"echo":7}"#);
+    let asking = Asking::start(|| open(server.page), echo);
+    check("echoes", &server, &mut bystander, &asking);
+}
+
+#[test]
 fn resets_that_wait_become_one_and_the_server_ends_before_them() {
     for text in [r#""reset""#, r#"{"map":"arena"}"#] {
         let (server, mut bystander, _owner) = server(20);
