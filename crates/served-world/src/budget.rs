@@ -1,9 +1,11 @@
 //! Limits of log lines, so that no client can fill the disk.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use tracing::warn;
 use web_time::{Duration, Instant};
 
 /// Most lines in a second; the rest are counted.
@@ -21,20 +23,31 @@ pub struct Budget {
 }
 
 /// The answer to a request to log a line.
-#[derive(Debug, PartialEq, Eq)]
-pub enum Spent {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Spent {
     /// The line may be logged. `suppressed` lines were refused in the second before.
-    Granted {
-        /// Number of lines that were refused.
-        suppressed: u64,
-    },
+    Granted { suppressed: u64 },
     /// The line may not be logged.
     Refused,
 }
 
+impl Spent {
+    /// Tells whether the line may be logged. The first line of a second logs how many were refused before it.
+    fn is_granted(self, about: impl Display) -> bool {
+        if let Self::Granted { suppressed: suppressed @ 1.. } = self {
+            warn!(%about, suppressed, "further lines were not logged");
+        }
+        self != Self::Refused
+    }
+}
+
 impl Budget {
-    /// Asks to log a line.
-    pub fn spend(&mut self, now: Instant) -> Spent {
+    /// True if a line about something may be logged. Logs how many were refused in the second before.
+    pub fn allow(&mut self, now: Instant, about: impl Display) -> bool {
+        self.spend(now).is_granted(about)
+    }
+
+    fn spend(&mut self, now: Instant) -> Spent {
         let mut suppressed = 0;
         if self.is_fresh(now) {
             suppressed = self.spent.saturating_sub(MAX_LINES);
@@ -54,8 +67,12 @@ impl Budget {
 pub struct Budgets(Arc<Mutex<BTreeMap<IpAddr, Budget>>>);
 
 impl Budgets {
-    /// Asks to log a line about a client.
-    pub fn spend(&self, address: IpAddr, now: Instant) -> Spent {
+    /// True if a line about a client may be logged. Logs how many were refused in the second before.
+    pub fn allow(&self, address: IpAddr, now: Instant) -> bool {
+        self.spend(address, now).is_granted(address)
+    }
+
+    fn spend(&self, address: IpAddr, now: Instant) -> Spent {
         let mut budgets = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if budgets.len() >= MAX_ADDRESSES && !budgets.contains_key(&address) {
             budgets.retain(|_, budget| !budget.is_fresh(now));
@@ -64,11 +81,6 @@ impl Budgets {
             }
         }
         budgets.entry(address).or_default().spend(now)
-    }
-
-    /// True if a line about a client may be logged.
-    pub fn allow(&self, address: IpAddr, now: Instant) -> bool {
-        self.spend(address, now) != Spent::Refused
     }
 }
 

@@ -10,7 +10,7 @@ use tokio::sync::oneshot;
 use tracing::warn;
 use web_time::{Duration, Instant};
 
-use crate::budget::{Budgets, Spent};
+use crate::budget::Budgets;
 use crate::event::{Opened, Peer, Turn};
 
 /// One client.
@@ -183,14 +183,9 @@ impl Client {
     /// Logs a problem and returns the text, unless it is a repetition or the budget of this second is spent.
     fn warn(&mut self, text: &str, problem: &Problem, now: Instant) -> Option<String> {
         let warning = self.mistakes.warning(text, problem)?;
-        match self.budgets.spend(self.peer.host(), now) {
-            Spent::Granted { suppressed: 0 } => {}
-            Spent::Granted { suppressed } => {
-                warn!(connection = self.id, suppressed, "further problems were not logged")
-            }
-            Spent::Refused => return None,
-        }
-        warn!("{warning}");
-        Some(warning)
+        self.budgets.allow(self.peer.host(), now).then(|| {
+            warn!("{warning}");
+            warning
+        })
     }
 }

@@ -7,7 +7,6 @@ use tracing::info;
 use web_time::{Duration, Instant};
 
 use crate::audience::{Audience, Told};
-use crate::budget::Spent;
 use crate::pace::Pace;
 use crate::restart::{Change, Restart, Task};
 use crate::served::ServedWorld;
@@ -21,7 +20,7 @@ impl<A: Audience> ServedWorld<A> {
     pub(crate) fn control(&mut self, control: Control, actor: Actor) {
         let now = (self.clock)();
         let Actor(name) = &actor;
-        if let Spent::Granted { .. } = self.controls.spend(now) {
+        if self.controls.allow(now, "control") {
             info!(?control, by = name, time = %format_args!("{:.3}", self.sessions.world().time()), "control");
         }
         let before = self.timing;

@@ -26,7 +26,7 @@ mod work;
 
 pub use actors::{Actors, point_of};
 pub use audience::{Audience, Told};
-pub use budget::{Budget, Budgets, Spent};
+pub use budget::{Budget, Budgets};
 pub use event::{Event, Guest, Kind, Opened, Peer, Segment, Turn};
 pub use fit::fit;
 pub use pace::Pace;

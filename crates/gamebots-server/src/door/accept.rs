@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use served_world::{Budget, Spent};
+use served_world::Budget;
 use tokio::net::{TcpListener, TcpSocket, lookup_host};
 use tokio::task::JoinSet;
 use tokio::time::sleep;
@@ -93,7 +93,7 @@ pub(crate) async fn accept<T, S: Future<Output = ()> + Send + 'static>(
             Limit::Refusing(most) => clients.len() > most,
         };
         if let (Limit::Refusing(_), Ok(address)) = (limit, &address) {
-            if is_full && listener.take().is_some() && warnings.spend(Instant::now()) != Spent::Refused {
+            if is_full && listener.take().is_some() && warnings.allow(Instant::now(), "connections") {
                 warn!(connections = clients.len(), "too many connections: not listening until one leaves");
             } else if !is_full && listener.is_none() {
                 listener = Some(listen_again(*address, &mut warnings).await);
@@ -126,7 +126,7 @@ async fn listen_again(address: SocketAddr, warnings: &mut Budget) -> TcpListener
 
 /// Reports an error, and waits: it would otherwise recur at once.
 async fn back_off(what: &str, error: &std::io::Error, warnings: &mut Budget) {
-    if warnings.spend(Instant::now()) != Spent::Refused {
+    if warnings.allow(Instant::now(), "connections") {
         warn!(%error, "{what}");
     }
     sleep(BACK_OFF).await;
