@@ -73,6 +73,17 @@ fn run(arguments: &[&str]) -> Output {
     usarsim().args(arguments).current_dir(repository()).output().expect("usarsim runs")
 }
 
+/// Waits until a file has a text.
+fn wait_for(file: &Path, expected: &str) {
+    let begin = Instant::now();
+    let mut said = String::new();
+    while !said.contains(expected) {
+        assert!(begin.elapsed() < PATIENCE, "{expected:?} is not in {said:?}");
+        std::thread::sleep(Duration::from_millis(10));
+        said = text(&std::fs::read(file).expect("a file"));
+    }
+}
+
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
@@ -300,7 +311,9 @@ fn an_experiment_that_failed_is_corrected_and_run_in_the_same_folder() {
 
 #[test]
 fn a_wrong_init_is_logged_with_the_right_name_and_repetitions_are_counted() {
-    let mut server = Serving::start_with(&["--no-http"], Stdio::piped());
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = folder.path().join("stderr");
+    let mut server = Serving::start_with(&["--no-http"], std::fs::File::create(&log).expect("a file").into());
     let mut client = BufReader::new(server.connect());
     let lines = "INIT {ClassName USARBot.KUKAYouBot}\r\nINIT {ClassName USARBot.P3AT} {Start PlayerStart}\r\n"
         .to_owned()
@@ -312,10 +325,10 @@ fn a_wrong_init_is_logged_with_the_right_name_and_repetitions_are_counted() {
         client.read_line(&mut line).expect("a line");
     }
     drop(client);
-    std::thread::sleep(Duration::from_millis(300));
+    wait_for(&log, "times more");
     server.signal("TERM");
-    let mut said = String::new();
-    server.child.stderr.take().expect("stderr").read_to_string(&mut said).expect("text");
+    server.wait();
+    let said = std::fs::read_to_string(&log).expect("a file");
     for expected in [
         "{ClassName USARBot.KUKAYouBot} is unknown (did you mean `USARBot.KUKA_YouBot`?); `usarsim robots` lists all",
         "{Start PlayerStart} is unknown (did you mean `PlayerStart_0`?); expected one of",
@@ -546,23 +559,23 @@ fn what_a_server_says_is_shown_without_control_characters() {
     ] {
         let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
         let address = listener.local_addr().expect("an address").to_string();
+        let output = tempfile::NamedTempFile::new().expect("a file");
         let mut child = usarsim()
             .args([command, &address])
             .args(if command == "teleop" { &["--start", "Door"][..] } else { &[] })
             .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
+            .stdout(output.as_file().try_clone().expect("a file"))
+            .stderr(output.as_file().try_clone().expect("a file"))
             .spawn()
             .expect("usarsim starts");
         let (mut server, _) = listener.accept().expect("a client");
         server.write_all(line.as_bytes()).expect("it is taken");
         // First the end of the input, then of the connection.
         drop(child.stdin.take());
-        std::thread::sleep(Duration::from_millis(300));
+        wait_for(output.path(), ESCAPED);
         drop(server);
-        let output = child.wait_with_output().expect("it ends");
-        let said = text(&output.stdout) + &text(&output.stderr);
-        assert!(said.contains(ESCAPED), "{command}: {said:?}");
+        child.wait().expect("it ends");
+        let said = std::fs::read_to_string(output.path()).expect("a file");
         assert!(!said.contains("\x1b]") && !said.contains("\u{9b}"), "{command}: {said:?}");
     }
 }
