@@ -51,10 +51,24 @@ pub fn scene_with_test_robot(class: &str) -> WorldDef {
 ///
 /// # Panics
 /// If it does not hold within [`PATIENCE`].
-pub fn wait_until(mut condition: impl FnMut() -> bool) {
+#[track_caller]
+pub fn wait_until(condition: impl FnMut() -> bool) {
+    look_until(condition, |&holds| holds);
+}
+
+/// Looks until what is seen fits, and returns it.
+///
+/// # Panics
+/// If nothing fits within [`PATIENCE`]. The message has what was seen last.
+#[track_caller]
+pub fn look_until<T: std::fmt::Debug>(mut look: impl FnMut() -> T, fits: impl Fn(&T) -> bool) -> T {
     let end = Instant::now() + PATIENCE;
-    while !condition() {
-        assert!(Instant::now() < end, "did not happen");
+    loop {
+        let seen = look();
+        if fits(&seen) {
+            return seen;
+        }
+        assert!(Instant::now() < end, "did not happen; last seen: {seen:?}");
         std::thread::sleep(Duration::from_millis(5));
     }
 }

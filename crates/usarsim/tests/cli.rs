@@ -7,7 +7,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use sim_core::{Options, World};
-use system_tests::PATIENCE;
+use system_tests::look_until;
 
 pub(super) fn usarsim() -> Command {
     Command::new(env!("CARGO_BIN_EXE_usarsim"))
@@ -75,13 +75,17 @@ fn run(arguments: &[&str]) -> Output {
 
 /// Waits until a file has a text.
 fn wait_for(file: &Path, expected: &str) {
-    let begin = Instant::now();
-    let mut said = String::new();
-    while !said.contains(expected) {
-        assert!(begin.elapsed() < PATIENCE, "{expected:?} is not in {said:?}");
-        std::thread::sleep(Duration::from_millis(10));
-        said = text(&std::fs::read(file).expect("a file"));
-    }
+    look_until(|| text(&std::fs::read(file).expect("a file")), |said| said.contains(expected));
+}
+
+/// Starts a server that logs into a file.
+fn serve_into(log: &Path) -> Serving {
+    Serving::start_with(&["--no-http"], std::fs::File::create(log).expect("a file").into())
+}
+
+/// Returns lines with 50 unknown verbs.
+fn rubbish() -> String {
+    (0..50).map(|number| format!("RUBBISH{number} {{x}}\r\n")).collect()
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -313,7 +317,7 @@ fn an_experiment_that_failed_is_corrected_and_run_in_the_same_folder() {
 fn a_wrong_init_is_logged_with_the_right_name_and_repetitions_are_counted() {
     let folder = tempfile::tempdir().expect("a folder");
     let log = folder.path().join("stderr");
-    let mut server = Serving::start_with(&["--no-http"], std::fs::File::create(&log).expect("a file").into());
+    let mut server = serve_into(&log);
     let mut client = BufReader::new(server.connect());
     let lines = "INIT {ClassName USARBot.KUKAYouBot}\r\nINIT {ClassName USARBot.P3AT} {Start PlayerStart}\r\n"
         .to_owned()
@@ -343,45 +347,39 @@ fn a_wrong_init_is_logged_with_the_right_name_and_repetitions_are_counted() {
 fn a_client_that_comes_again_and_again_does_not_fill_the_disk() {
     let folder = tempfile::tempdir().expect("a folder");
     let said = folder.path().join("stderr");
-    let mut server = Serving::start_with(&["--no-http"], std::fs::File::create(&said).expect("a file").into());
+    let mut server = serve_into(&said);
     let begin = Instant::now();
-    let lines: String = (0..50).map(|number| format!("RUBBISH{number} {{x}}\r\n")).collect();
-    // The first line of a second says how many were left out of the one before.
-    let heard = || std::fs::read_to_string(&said).expect("a file");
-    while heard().matches("further lines were not logged").count() < 3 {
-        assert!(begin.elapsed() < PATIENCE, "{}", heard());
+    let come_again = || {
         let mut client = server.connect();
-        client.write_all(lines.as_bytes()).expect("it is taken");
+        client.write_all(rubbish().as_bytes()).expect("it is taken");
         client.shutdown(std::net::Shutdown::Write).expect("it ends");
         // The server closes when it has read all.
         client.read_to_end(&mut Vec::new()).expect("an end");
-    }
+        std::fs::read_to_string(&said).expect("a file")
+    };
+    // The first line of a second says how many were left out of the one before.
+    look_until(come_again, |said| said.matches("further lines were not logged").count() >= 3);
     server.signal("TERM");
     server.wait();
+    let said = std::fs::read_to_string(&said).expect("a file");
     let most = 22 * (begin.elapsed().as_secs() as usize + 2);
-    let count = heard().lines().count();
-    assert!((20..=most).contains(&count), "{count} lines, expected at most {most}\n{}", heard());
+    let count = said.lines().count();
+    assert!((20..=most).contains(&count), "{count} lines, expected at most {most}\n{said}");
 }
 
 #[test]
 fn lines_that_were_not_logged_are_counted_whatever_is_logged_next() {
     let folder = tempfile::tempdir().expect("a folder");
     let said = folder.path().join("stderr");
-    let server = Serving::start_with(&["--no-http"], std::fs::File::create(&said).expect("a file").into());
-    let lines: String = (0..50).map(|number| format!("RUBBISH{number} {{x}}\r\n")).collect();
+    let server = serve_into(&said);
     let mut client = server.connect();
-    client.write_all(lines.as_bytes()).expect("they are taken");
-    let begin = Instant::now();
-    loop {
+    client.write_all(rubbish().as_bytes()).expect("they are taken");
+    let come_and_go = || {
         // A client that does nothing wrong.
         drop(server.connect());
-        let said = std::fs::read_to_string(&said).expect("a file");
-        if said.contains("further lines were not logged about=127.0.0.1 suppressed=") {
-            break;
-        }
-        assert!(begin.elapsed() < PATIENCE, "{said}");
-        std::thread::sleep(Duration::from_millis(100));
-    }
+        std::fs::read_to_string(&said).expect("a file")
+    };
+    look_until(come_and_go, |said| said.contains("further lines were not logged about=127.0.0.1 suppressed="));
 }
 
 #[test]
